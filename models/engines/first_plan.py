@@ -8,13 +8,10 @@ that want something out first may lead it into a dead end; then there is no answ
 
 from __future__ import annotations
 
-from itertools import chain
-
 import numpy as np
 
-from kerfwise.arrays import Ints
 from kerfwise.models.engines.tuning import EARLY_LONG as LONG
-from kerfwise.models.problem.conditions import Condition
+from kerfwise.models.problem.conditions import Condition, ConditionRows
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
@@ -71,13 +68,8 @@ def impossible(problem: Problem) -> tuple[Condition, ...]:
     hard = [c for c in problem.conditions if c.cost is None]
     if not hard:
         return ()
-    of = np.array([c.contour for c in hard])
-    row = np.repeat(np.arange(len(hard)), [len(c.members) for c in hard])
-    member: Ints = np.fromiter(chain.from_iterable(c.members for c in hard), dtype=np.int64)
-    weight: Ints = np.fromiter(chain.from_iterable(c.weights for c in hard), dtype=np.int64)
+    of, when, bound, row, member, weight = ConditionRows.of(hard)
     weight[member == of[row]] = 0
-    bound = np.array([c.bound for c in hard])
-    when = np.array([-1 if c.when is None else c.when for c in hard])
     before, helps = problem.before, np.maximum(weight, 0)
     for last, order in ((True, before), (False, before.T)):
         left = np.ones(problem.n, dtype=np.bool_)
@@ -102,20 +94,13 @@ class _Sums:
 
     def __init__(self, problem: Problem) -> None:
         self._problem, given = problem, problem.conditions
-        self._of = np.array([c.contour for c in given], dtype=np.int64)
-        self._site = np.array([-1 if c.when is None else c.when for c in given], dtype=np.int64)
+        rows = ConditionRows.of(given)
+        rows.weight[rows.member == rows.contour[rows.row]] = 0
+        self._of, self._site, self._bound = rows.contour, rows.site, rows.bound
         self._price = np.array([np.inf if c.cost is None else float(c.cost) for c in given])
-        self._bound = np.array([c.bound for c in given], dtype=np.int64)
-        sizes = [len(c.members) for c in given]
-        member: Ints = np.fromiter(chain.from_iterable(c.members for c in given), dtype=np.int64)
-        weight: Ints = np.fromiter(chain.from_iterable(c.weights for c in given), dtype=np.int64)
-        row = np.repeat(np.arange(len(given)), sizes)
-        weight = np.where(member == self._of[row] if len(row) else False, 0, weight)
         self._value = np.zeros(len(given), dtype=np.int64)
-        np.add.at(self._value, row, weight)
-        by_member = np.argsort(member, kind="stable")
-        self._row, self._weight = row[by_member], weight[by_member]
-        self._first = np.searchsorted(member[by_member], np.arange(problem.n + 1))
+        np.add.at(self._value, rows.row, rows.weight)
+        self._first, self._row, self._weight = rows.by_member(problem.n)
 
     def unmet(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         """What each site costs, (m,), if its contour comes last of all that is left."""

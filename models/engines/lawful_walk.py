@@ -8,6 +8,7 @@ import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.models.problem.conditions import ConditionRows
 from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import EXEMPTION_MM
@@ -30,18 +31,11 @@ class Walk:
         self._in_block = np.bincount(problem.block, minlength=problem.n)
         self._block = -1
         self._apart = {frozenset(pair) for pair in problem.apart()}
-        # conditions, one a row, and for every contour the rows that it is a member of
         given = [c for c in problem.conditions if c.cost is None or c.cost >= _EXCUSE_UM]
-        sizes = np.array([len(c.members) for c in given], dtype=np.int64)
-        member = np.fromiter((k for c in given for k in c.members), np.int64, int(sizes.sum()))
-        weight = np.fromiter((w for c in given for w in c.weights), np.int64, int(sizes.sum()))
-        by_member = np.argsort(member, kind="stable")
-        self._row, self._weight = np.repeat(np.arange(len(given)), sizes)[by_member], weight[by_member]
-        self._rows_of = np.searchsorted(member[by_member], np.arange(problem.n + 1))
-        self._contour = np.array([c.contour for c in given], dtype=np.int64)
-        self._site = np.array([-1 if c.when is None else c.when for c in given], dtype=np.int64)
+        rows = ConditionRows.of(given)
+        self._contour, self._site, self._short = rows.contour, rows.site, rows.bound
+        self._rows_of, self._row, self._weight = rows.by_member(problem.n)
         self._hard = np.array([c.cost is None for c in given], dtype=np.bool_)
-        self._short = np.array([c.bound for c in given], dtype=np.int64)
         self._unmet_of_site = np.zeros((2, problem.m), dtype=np.int64)  # that may be excused, and that may not
         self._unmet_of_site[0] = problem.site_cost >= _EXCUSE_UM
         self._unmet_of_contour = np.zeros((2, problem.n), dtype=np.int64)

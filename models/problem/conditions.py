@@ -10,10 +10,11 @@ A condition that is not met makes the order unlawful (`cost` None) or costs `cos
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from operator import is_
-from typing import assert_never
+from typing import NamedTuple, Self, assert_never
 
 import numpy as np
 
@@ -52,6 +53,39 @@ class Condition:
     def met(self, already: frozenset[int] | set[int]) -> bool:
         """Whether it holds when the contours of `already` are cut before this one."""
         return sum(w for k, w in zip(self.members, self.weights, strict=True) if k in already) >= self.bound
+
+
+class ConditionRows(NamedTuple):
+    """Conditions, one a row, as arrays: contour, site (-1 for any) and bound of each; row, member and weight of all."""
+
+    contour: Ints
+    site: Ints
+    bound: Ints
+    row: Ints
+    member: Ints
+    weight: Ints
+
+    @classmethod
+    def of(cls, conditions: Sequence[Condition]) -> Self:
+        """The rows of conditions, in their order."""
+        sizes = np.array([len(c.members) for c in conditions], dtype=np.int64)
+        return cls(
+            _column(c.contour for c in conditions),
+            _column(-1 if c.when is None else c.when for c in conditions),
+            _column(c.bound for c in conditions),
+            np.repeat(np.arange(len(sizes)), sizes),
+            _column(chain.from_iterable(c.members for c in conditions)),
+            _column(chain.from_iterable(c.weights for c in conditions)),
+        )
+
+    def by_member(self, n: int) -> tuple[Ints, Ints, Ints]:
+        """Where each of n contours begins among the members, (n + 1,), and these members' rows and weights."""
+        order = np.argsort(self.member, kind="stable")
+        return np.searchsorted(self.member[order], np.arange(n + 1)), self.row[order], self.weight[order]
+
+
+def _column(values: Iterable[int]) -> Ints:
+    return np.fromiter(values, dtype=np.int64)
 
 
 def soft_precede_condition(statement: Precede, cost: int) -> Condition:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import chain
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.geometry.tolerances import cost_um
 from kerfwise.rules.statements import EXEMPTION_MM, AtLeast, Link, Move, Pick, plain
 
-from .conditions import Condition
+from .conditions import Condition, ConditionRows
 from .crossings import Crossings
 from .problem import Links, Problem
 
@@ -82,19 +81,16 @@ def _undecided(problem: Problem) -> Iterator[tuple[Condition, bool]]:
     conditions = problem.conditions
     if not conditions:
         return
-    until = np.cumsum([len(c.members) for c in conditions])
-    members, weights = (
-        np.fromiter(chain.from_iterable(column), dtype=np.int64)
-        for column in ((c.members for c in conditions), (c.weights for c in conditions))
-    )
-    contours = np.repeat([c.contour for c in conditions], np.diff(until, prepend=0))
+    rows = ConditionRows.of(conditions)
+    members, weights, contours = rows.member, rows.weight, rows.contour[rows.row]
+    until = np.searchsorted(rows.row, np.arange(1, len(conditions) + 1))
     out = problem.before[members, contours]
     free = ~out & (members != contours) & ~problem.before[contours, members] & (weights != 0)
 
     def summed(values: Ints) -> Ints:
         return np.asarray(np.diff(np.append(0, np.cumsum(values))[until], prepend=0))
 
-    bounds = np.array([c.bound for c in conditions], dtype=np.int64) - summed(np.where(out, weights, 0))
+    bounds = rows.bound - summed(np.where(out, weights, 0))
     least, most = (summed(np.where(free, some(weights, 0), 0)) for some in (np.minimum, np.maximum))
     counts = summed(free.astype(np.int64))
     chosen = np.flatnonzero(least < bounds)

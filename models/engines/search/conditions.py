@@ -9,6 +9,7 @@ import numpy as np
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.tuning import STEPS
+from kerfwise.models.problem.conditions import ConditionRows
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import AtLeast, Before, Enough, Lag, Pick
 
@@ -46,25 +47,21 @@ def make_demands(problem: Problem) -> Demands:
     whole = sorted((c for c in problem.conditions if c.when is None), key=lambda c: c.contour)
     sited = sorted((c for c in problem.conditions if c.when is not None), key=lambda c: c.when or 0)
     conditions = [*whole, *sited]
-    touching: list[list[tuple[int, int]]] = [[] for _ in range(problem.n)]
-    for k, c in enumerate(conditions):
-        for x, w in zip(c.members, c.weights, strict=True):
-            touching[x].append((k, w))
-    member_first, member = flatten([c.members for c in conditions])
-    touch_first, touch = flatten([[k for k, _ in row] for row in touching])
+    rows = ConditionRows.of(conditions)
+    touch_first, touch, touch_weight = rows.by_member(problem.n)
     return Demands(
         of_contour=ints(np.searchsorted([c.contour for c in whole], range(problem.n + 1)).tolist()),
         of_site=ints((len(whole) + np.searchsorted([c.when or 0 for c in sited], range(problem.m + 1))).tolist()),
-        contour=ints([c.contour for c in conditions]),
-        site=ints([-1 if c.when is None else c.when for c in conditions]),
-        bound=ints([c.bound for c in conditions]),
+        contour=rows.contour,
+        site=rows.site,
+        bound=rows.bound,
         cost=ints([HARD if c.cost is None else c.cost for c in conditions]),
-        member_first=member_first,
-        member=member,
-        weight=ints([w for c in conditions for w in c.weights]),
+        member_first=np.searchsorted(rows.row, np.arange(len(conditions) + 1)),
+        member=rows.member,
+        weight=rows.weight,
         touch_first=touch_first,
         touch=touch,
-        touch_weight=ints([w for row in touching for _, w in row]),
+        touch_weight=touch_weight,
     )
 
 
