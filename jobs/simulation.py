@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Bools
+from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.bevels.cut_nest import bevelled
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
@@ -25,8 +25,11 @@ from kerfwise.models.physics.heat.simulate import MOST_S, expect_short
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on, without_tabs
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import expect_plan_of, read_plan
+from kerfwise.postproc.check.jets import jet_of
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.check.reader.read_program import Trusted
+from kerfwise.postproc.clock import read_program
+from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpaths import Toolpath, toolpaths
 from kerfwise.postproc.report.legend import duration
 from kerfwise.rules.profile.plant_sections import Heat, HeatModel
@@ -200,13 +203,11 @@ def _simulated(inputs: Inputs, path: TimedPath, model: HeatModel | None, tell: T
 
 
 def path_of_made(source: Plan | str | Path, inputs: Inputs, tell: Tell, trusted: Trusted | None) -> TimedPath:
-    if next(bevelled(inputs.nest), None) is not None:
-        tell(
-            "bevels are simulated as one upright cut along each contour: further passes, loops and the longer way "
-            "through the metal do not count"
-        )
+    has_bevels, block = next(bevelled(inputs.nest), None) is not None, inputs.profile.cuts.bevel.head == "block"
+    if has_bevels and block:
+        tell("of a block of torches the upright one is simulated alone, whichever of them burn")
     if not isinstance(source, Plan) and not is_plan_file(source):
-        return path_of_program(read_program_of(source, inputs, tell, trusted), source)
+        return path_of_program(read_program_of(source, inputs, tell, trusted), source, inputs.profile)
     plan = source if isinstance(source, Plan) else read_plan(source)
     path = path_of_plan(plan, inputs.nest, inputs.profile)
     expect_plan_of(plan, inputs.nest)
@@ -339,10 +340,13 @@ _CUT = re.compile(r"CUT \d+ (?P<contour>\S+)")
 def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
     """Where the torch burns by the plan, at the times that the plan states.
 
-    Raises InputError if the plan was made from another nest, or its times are missing or contradict each other.
+    Where torches lean it burns as the program of the plan does, pass after pass. Raises InputError if the plan was made
+    from another nest, or its times are missing or contradict each other.
     """
     if plan.cuts and not any(planned.cut.end_s for planned in plan.cuts):
         raise InputError("the plan does not say when its contours are cut: start_s and end_s are needed for heat")
+    if any(planned.passes for planned in plan.cuts):
+        return path_of_program(read_program(write_program(plan, nest, profile), nest, profile), None, profile)
     law = profile.corner_feed()
     burns: list[TorchOn] = []
     pierced = plan.sequence().pierced
@@ -367,9 +371,10 @@ def _stands_s(toolpath: Toolpath, profile: Profile) -> float:
     return profile.machine.unpierced_s if toolpath.edge_start else profile.machine.pierce_time_s
 
 
-def path_of_program(program: NcProgram, file: str | Path | None = None) -> TimedPath:
+def path_of_program(program: NcProgram, file: str | Path | None = None, profile: Profile | None = None) -> TimedPath:
     """Where the torch burns by a program, at its own feeds and for its own waits.
 
+    A torch that leans burns where its jet is at half the depth of the profile's sheet.
     Rapids are as profiled, and so are pierces where the dialect leaves them to the machine. Raises InputError with file
     and line, for a program of more than a week: it cannot be simulated.
     """
@@ -387,7 +392,12 @@ def path_of_program(program: NcProgram, file: str | Path | None = None) -> Timed
             continue
         named = _CUT.search(burn.comment)
         name = named["contour"] if named else f"line {burn.line}"
-        points, slowness = chords(burn.path, burn.paced, _CHORD_MM)
+        way: tuple[Floats, Floats | None]
+        if burn.tilted and profile is not None:
+            way = jet_of(burn, profile).paced(profile.material.thickness_mm / 2)
+        else:
+            way = chords(burn.path, burn.paced, _CHORD_MM)
+        points, slowness = way
         stands_s = burn.held_s + burn.pierce_s
         burns += without_tabs(torch_on(name, points, burn.start_s, burn.end_s, stands_s, slowness), burn.unlit)
     path = in_order(burns, burns[-1].at_s[-1] if burns else 0.0)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Floats
+from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.geometry.segment import Segment
 from kerfwise.encoder.nest import Contour
 from kerfwise.postproc.check.reader.program import Burn
@@ -28,7 +28,8 @@ ANGLE_DEG = 0.01
 class Jet:
     """A tilted burn in fine steps: the torch's point at the top face, and where the jet goes for each mm downwards.
 
-    `leans_deg` are its angles there, `halves_mm` half the widths that it burns, level.
+    `leans_deg` are its angles there, `halves_mm` half the widths that it burns, level, and `steps` the numbers of the
+    lines and arcs that begin there or go on.
     """
 
     burn: Burn
@@ -37,6 +38,7 @@ class Jet:
     leans_deg: Floats
     turns_deg: Floats
     halves_mm: Floats
+    steps: Ints
 
     @property
     def lean_deg(self) -> float:
@@ -70,6 +72,16 @@ class Jet:
             begin = end
         return shapely.union_all(areas)
 
+    def paced(self, depth_mm: float) -> tuple[Floats, Floats]:
+        """Points of its way at a depth, (m, 2), and how long each step between them takes for its length, (m - 1,).
+
+        As long as the torch's point takes at the program's feed; where it turns on the spot, as long as this way.
+        """
+        points, feeds = self.at + depth_mm * self.aside, np.array(self.burn.step_feeds_mm_s)
+        top_mm, chord_mm = (np.hypot(*np.diff(rows, axis=0).T) for rows in (self.at, points))
+        slow_mm = np.where(top_mm > 0, top_mm, chord_mm) * feeds.max() / feeds[self.steps[:-1]]
+        return points, np.divide(slow_mm, chord_mm, out=np.zeros_like(slow_mm), where=chord_mm > 0)
+
     def leaning(self, slope: Slope) -> shapely.Geometry:
         """Its way at the root of a slope, where it leans as that does."""
         on = np.abs(self.leans_deg - slope.lean_deg) <= ANGLE_DEG
@@ -79,7 +91,7 @@ class Jet:
 
 
 def jet_of(burn: Burn, profile: ProfileValues) -> Jet:
-    at, aside, leans, turns = [], [], [], []
+    at, aside, leans, turns, steps = [], [], [], [], []
     rows = burn.path.vertices.tolist()
     for k, ((x, y, bulge), after) in enumerate(zip(rows, [*rows[1:], rows[-1]], strict=True)):
         (tilt, turn), (tilt_to, turn_to) = burn.axes[k], burn.axes[min(k + 1, len(rows) - 1)]
@@ -94,9 +106,10 @@ def jet_of(burn: Burn, profile: ProfileValues) -> Jet:
             aside.append((math.tan(lean) * math.cos(way), math.tan(lean) * math.sin(way)))
             leans.append(tilt + (tilt_to - tilt) * share)
             turns.append(turn + (turn_to - turn) * share)
+            steps.append(k)
     half_of = {lean: half_width_mm(lean, profile) for lean in {*leans}}
     halves = np.array([half_of[lean] for lean in leans])
-    return Jet(burn, np.array(at), np.array(aside), np.array(leans), np.array(turns), halves)
+    return Jet(burn, np.array(at), np.array(aside), np.array(leans), np.array(turns), halves, np.array(steps))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

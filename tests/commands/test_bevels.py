@@ -11,6 +11,7 @@ from typing import Any
 
 import ezdxf
 import pytest
+import shapely
 
 import kerfwise as package
 from kerfwise.apps.nesting.placement.layout import nest_dxf, nest_json
@@ -18,6 +19,9 @@ from kerfwise.apps.nesting.placement.nofit import Placed, Pose
 from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.readers.read import read_nest
+from kerfwise.jobs.inputs import Inputs, silent
+from kerfwise.jobs.simulation import path_of_made
+from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.check.check import check_program
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.rs274 import read_nc
@@ -395,11 +399,26 @@ def test_a_program_of_bevels_alone_is_timed_and_judged(tmp_path: Path) -> None:
     assert "P.outer: no pass that leans by -30 degrees" in checked.out
 
 
-@pytest.mark.parametrize("verb", [("heat", "--model", "logical"), ("distort", "--grid", "40")])
-def test_simulations_say_that_they_burn_upright(solved: Path, verb: tuple[str, ...]) -> None:
-    done = kerfwise(*verb, NEST, solved / "out.plan.json", "-p", PROFILE)
-    assert done.code == 0, done.err
-    assert "bevels are simulated as one upright cut along each contour" in done.err
+def test_simulations_burn_each_pass_where_its_jet_is_and_as_long_as_it_takes(solved: Path) -> None:
+    profile = load_profile(PROFILE)
+    nest, plan = read_nest(NEST), read_plan(solved / "out.plan.json")
+    path = path_of_made(plan, Inputs(nest, profile), silent, None)
+    passes = {planned.cut.contour: planned.passes for planned in plan.cuts}
+    upright = sum(1 for planned in plan.cuts if not planned.passes)
+    assert len(path.burns) == upright + sum(map(len, passes.values())), "one burn a pass"
+    assert path.seconds_on == pytest.approx(sum(c.cut.end_s - c.cut.start_s for c in plan.cuts), rel=0.1)
+    flange = next(burn for burn in path.burns if burn.contour == "Flange.outer")
+    (one,) = passes["Flange.outer"]
+    (x0, y0), (x1, y1) = nest.contour("Flange.outer").curve.vertices[:2, :2].tolist()
+    for point in flange.xy[5:-5:7].tolist():
+        assert min(shapely.distance(line, shapely.Point(point)) for line in one.lines(10.0)) < 0.05
+    # by hand: 20 mm, V 45: half of 3.394 mm outside the contour at the bottom face, 10 mm further in at half the depth
+    middle = shapely.Point((x0 + x1) / 2, (y0 + y1) / 2)
+    assert shapely.distance(middle, shapely.LineString(flange.xy)) == pytest.approx(10 - 1.697, abs=0.05)
+    for verb in (("heat", "--model", "logical"), ("distort", "--grid", "40")):
+        done = kerfwise(*verb, NEST, solved / "out.plan.json", "-p", PROFILE)
+        assert done.code == 0, done.err
+        assert "upright" not in done.err
 
 
 def test_a_plan_with_bevels_is_not_gone_on_with_after_a_stop(solved: Path) -> None:
