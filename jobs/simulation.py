@@ -202,14 +202,23 @@ def _simulated(inputs: Inputs, path: TimedPath, model: HeatModel | None, tell: T
     return Simulation(nest, heat, simulate(nest, path, heat, thickness_mm, (path.end_s / frames, look)), shown)
 
 
-def path_of_made(source: Plan | str | Path, inputs: Inputs, tell: Tell, trusted: Trusted | None) -> TimedPath:
+def path_of_made(
+    source: Plan | str | Path, inputs: Inputs, tell: Tell, trusted: Trusted | None, along_contours: bool = False
+) -> TimedPath:
+    """Where the torch burns by a plan, or by a program.
+
+    A contour with a bevel is burnt pass after pass where the jets are at half the depth, or `along_contours` once,
+    as it is drawn, in the time of all its passes. Raises InputError for a program then: it does not tell that time.
+    """
     has_bevels, block = next(bevelled(inputs.nest), None) is not None, inputs.profile.cuts.bevel.head == "block"
-    if has_bevels and block:
+    if has_bevels and block and not along_contours:
         tell("of a block of torches the upright one is simulated alone, whichever of them burn")
     if not isinstance(source, Plan) and not is_plan_file(source):
+        if has_bevels and along_contours:
+            raise InputError("how contours with bevels move is simulated from the plan: give that", file=source)
         return path_of_program(read_program_of(source, inputs, tell, trusted), source, inputs.profile)
     plan = source if isinstance(source, Plan) else read_plan(source)
-    path = path_of_plan(plan, inputs.nest, inputs.profile)
+    path = path_of_plan(plan, inputs.nest, inputs.profile, along_contours)
     expect_plan_of(plan, inputs.nest)
     expect_short(path, None if isinstance(source, Plan) else source)
     for text in differences(plan, inputs):
@@ -337,15 +346,15 @@ _CHORD_MM = 0.05
 _CUT = re.compile(r"CUT \d+ (?P<contour>\S+)")
 
 
-def path_of_plan(plan: Plan, nest: Nest, profile: Profile) -> TimedPath:
+def path_of_plan(plan: Plan, nest: Nest, profile: Profile, along_contours: bool = False) -> TimedPath:
     """Where the torch burns by the plan, at the times that the plan states.
 
-    Where torches lean it burns as the program of the plan does, pass after pass. Raises InputError if the plan was made
-    from another nest, or its times are missing or contradict each other.
+    Where torches lean it burns as the program of the plan does, pass after pass, or once `along_contours`. Raises
+    InputError if the plan was made from another nest, or its times are missing or contradict each other.
     """
     if plan.cuts and not any(planned.cut.end_s for planned in plan.cuts):
         raise InputError("the plan does not say when its contours are cut: start_s and end_s are needed for heat")
-    if any(planned.passes for planned in plan.cuts):
+    if not along_contours and any(planned.passes for planned in plan.cuts):
         return path_of_program(read_program(write_program(plan, nest, profile), nest, profile), None, profile)
     law = profile.corner_feed()
     burns: list[TorchOn] = []

@@ -179,7 +179,7 @@ def distort_made(
     """
     metal_of(inputs.profile.heat.material)
     expect_one_torch(inputs.profile, "the simulation of distortion", plan if isinstance(plan, Plan) else None)
-    return distort_path(inputs, path_of_made(plan, inputs, tell, trusted), grid_mm, yields)
+    return distort_path(inputs, path_of_made(plan, inputs, tell, trusted, along_contours=True), grid_mm, yields)
 
 
 def distort_old(job: OldJob, grid_mm: float | None = None, yields: bool = True) -> Distortion:
@@ -201,7 +201,7 @@ def movement_of(inputs: Inputs, plan: Plan, frames: int, points: int) -> dict[st
     """How the sheet moves while a plan is cut, as `movement` tells it; InputError as from `distort_made`."""
     metal_of(inputs.profile.heat.material)
     expect_one_torch(inputs.profile, "the simulation of distortion", plan)
-    path = path_of_made(plan, inputs, silent, None)
+    path = path_of_made(plan, inputs, silent, None, along_contours=True)
     expect_short(path)
     return movement(inputs.nest, path, inputs.profile.heat, _how(inputs, None, True), frames, points)
 
