@@ -212,6 +212,8 @@ def _key(items: list[Item], x: float, end: float, y: float, kinds: frozenset[str
         ("kerf", "begins in an older kerf"),
         ("wait", "waits for metal to cool"),
         ("stretch", "stretch cut before the rest"),
+        ("bevel", "tilted torch, at the top face"),
+        ("below", "its jet, at the bottom face"),
         ("outer", "outer contour"),
         ("hole", "hole"),
         ("mark", "mark"),
@@ -250,6 +252,9 @@ def _sample(kind: str, x: float, y: float) -> list[Item]:
         return [Shape(strokes, Style(stroke=scene.ACROSS, width=2), closed=False)]
     if kind == "stretch":
         return [Shape((line,), Style(stroke=scene.STRETCH, width=2.4), closed=False)]
+    if kind in ("bevel", "below"):
+        dash = (2.0, 2.6) if kind == "below" else ()
+        return [Shape((line,), Style(stroke=scene.STRETCH, width=1.6 if not dash else 1.2, dash=dash), closed=False)]
     if kind == "pass":
         return [Shape((line,), Style(stroke=scene.PIERCE, width=1.0, dash=(1.2, 2.4)), closed=False)]
     if kind in ("edge", "kerf"):

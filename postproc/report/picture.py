@@ -180,6 +180,8 @@ def _drawn(
     kinds = {"pierce", "home", *(nest.contour(c.contour).kind for c in cuts)}
     if begun:
         kinds.add("stretch")
+    if plan is not None and any(one.tilt_deg for planned in plan.cuts for one in planned.passes):
+        kinds |= {"bevel", "below"}
     if any(cut.tabs for cut in cuts):
         kinds.add("tab")
         layers.append(tab_layer(nest, view, cuts))
