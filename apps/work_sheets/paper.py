@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import groupby
@@ -213,9 +214,11 @@ def broken(text: str, size: float, width: float) -> list[str]:
     --------
     >>> broken("holes before outlines", 8, 70)
     ['holes before', 'outlines']
+    >>> broken("kerf 1.5\\u00a0mm", 8, 40)
+    ['kerf', '1.5\\xa0mm']
     """
     lines: list[str] = []
-    for word in text.split():
+    for word in filter(None, re.split("[ \t\n]+", text)):  # a space that does not break holds a number to its unit
         if lines and text_width(f"{lines[-1]} {word}", size) <= width:
             lines[-1] += f" {word}"
             continue

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -205,7 +206,8 @@ def facts_of_sheet(sheet: WorkSheet) -> Iterator[tuple[str, str]]:
         yield tr("due"), "; ".join(filter(None, (dues[0], loose)))
     yield tr("machine"), f"{machine.process}, {machine.dialect}; {_zero(sheet)}"
     widths = {"kerf": f"{material.kerf_mm:g}", "s": f"{machine.pierce_time_s:g}"}
-    yield tr("feeds"), tr("{feeds} mm/min; kerf {kerf} mm, pierce {s} s").format(feeds=feeds_text, **widths)
+    line = tr("{feeds} mm/min; kerf {kerf} mm, pierce {s} s").format(feeds=feeds_text, **widths)
+    yield tr("feeds"), re.sub(r"(?<=\d) (?=\D)", "\u00a0", line)  # no unit stands in a line of its own
     yield tr("settings"), _settings(sheet)
     yield tr("gas"), material.gas or _unknown(sheet.say)
     yield tr("time"), f"{duration(report.total_s, sheet.say)} ({shares})"

@@ -99,10 +99,10 @@ function hang(app) {
   roomForButtons(app);
 }
 
-/** The buttons over the drawing stand in one row or in two: what is fitted stays clear of them. */
+/** The buttons over the drawing stand in one row or in two: what is fitted stays clear of them; on a phone they stand below it. */
 /** @param {App} app */
 function roomForButtons(app) {
-  const high = byId("over").offsetHeight + OVER_PX;
+  const over = byId("over"), high = getComputedStyle(over).position === "absolute" ? over.offsetHeight + OVER_PX : 0;
   for (const stage of app.stages) {
     const { fits, buttons } = stage;
     stage.buttons = high;

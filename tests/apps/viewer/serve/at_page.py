@@ -71,8 +71,8 @@ class AtPage:
         self.until("[...document.querySelectorAll('#stages canvas')].every(canvas => canvas.dataset.sharp === 'true')")
 
     def panel(self, name: str) -> None:
-        """Show a panel; on a wide screen the order is always seen."""
-        if self.touch or name != "order":
+        """Show a panel; on a wide screen the order is always seen, and has no tab."""
+        if name != "order" or self.page.locator("#tab-order").is_visible():
             self.page.click(f"#tab-{name}")
 
     @property

@@ -33,7 +33,7 @@ FIRST = {(16, 1400)}
 """The plate that is always seen, and how wide."""
 PAGES = {16: 1, 41: 2, 115: 3, 308: 7, 1000: 22}
 """Pages of A4 with a drawing and a row a cut."""
-SEEN = rows(sorted(product(PAGES, (1400, 390)), key=lambda plate: plate not in FIRST), len(FIRST))
+SEEN = rows(sorted(product(PAGES, (1400, 1024, 390)), key=lambda plate: plate not in FIRST), len(FIRST))
 
 
 class Plates:
