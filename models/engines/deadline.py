@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 from kerfwise.models.jit import running_s
@@ -15,6 +16,20 @@ class Progress(Protocol):
     """Called now and then by an engine; returns False to ask it to stop with what it has."""
 
     def __call__(self, engine: str, cost_um: int | None, bound_um: int | None) -> bool: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Enough:
+    """What is reached is enough where the bound is within a share of the cost, or no better plan came for so long."""
+
+    gap: float | None = None
+    no_improvement_s: float | None = None
+
+    def reached(self, cost: int, bound: int, waited_s: float) -> bool:
+        """Whether such a cost is, with a bound, after so many seconds without a better one."""
+        if self.no_improvement_s is not None and waited_s >= self.no_improvement_s:
+            return True
+        return self.gap is not None and cost - bound <= self.gap * cost
 
 
 class Deadline:
@@ -32,10 +47,8 @@ class Deadline:
         Seconds by the clock; without them the clock does not count.
     listener
         Told the best cost and bound so far; ends it with False.
-    gap
-        Share of the cost by which the bound may fall short of it: then it is enough.
-    no_improvement_s
-        How long, s, a plan may stay the best before it is taken.
+    enough
+        What is taken before the end.
     most_bytes
         What tables may take.
     per_s
@@ -52,7 +65,7 @@ class Deadline:
     >>> deadline.left, deadline.part(0.5).left, deadline.share_spent
     (0.5, 0.25, 0.75)
 
-    >>> deadline = Deadline(gap=0.1)
+    >>> deadline = Deadline(enough=Enough(gap=0.1))
     >>> deadline("search", 100, None), deadline("ideals", 100, 89), deadline("ideals", 100, 90)
     (True, True, False)
     """
@@ -63,8 +76,7 @@ class Deadline:
         time_s: float | None = None,
         listener: Progress | None = None,
         *,
-        gap: float | None = None,
-        no_improvement_s: float | None = None,
+        enough: Enough | None = None,
         most_bytes: float = TABLE_BYTES,
         per_s: float = 1.0,
         timed: bool = False,
@@ -76,7 +88,7 @@ class Deadline:
         """Who asks by `go`."""
         self.stopped = False
         """Whether the listener said stop, or what is reached is enough; not whether the time is over."""
-        self._listener, self._gap, self._no_improvement_s, self.clock = listener, gap, no_improvement_s, clock
+        self._listener, self._enough, self.clock = listener, enough or Enough(), clock
         self.timed = timed or time_s is not None
         self._began_s = self._improved_s = clock()
         self._cost: int | None = None
@@ -95,8 +107,7 @@ class Deadline:
             options.work if options.time_s is None else math.inf,
             options.time_s,
             listener,
-            gap=options.gap,
-            no_improvement_s=options.no_improvement_s,
+            enough=Enough(options.gap, options.no_improvement_s),
             most_bytes=most_bytes,
             clock=clock or (listener.clock if isinstance(listener, Deadline) else running_s),
         )
@@ -184,7 +195,9 @@ class Deadline:
             self._cost, self._improved_s = cost_um, self.clock()
         self.overhear(bound_um)
         heard = self._tell(engine)
-        self.stopped = self.stopped or not heard or self._enough()
+        waited_s = self.clock() - self._improved_s
+        enough = self._cost is not None and self._enough.reached(self._cost, self._bound, waited_s)
+        self.stopped = self.stopped or not heard or enough
         return not self.stopped and self.left_s > 0
 
     def go(self) -> bool:
@@ -210,10 +223,3 @@ class Deadline:
         """Tell the listener the best of all that was reached; whether to go on."""
         best = min((cost for cost in (self._cost, self._preview_cost) if cost is not None), default=None)
         return self._listener is None or self._listener(engine, best, self._bound or None)
-
-    def _enough(self) -> bool:
-        if self._cost is None:
-            return False
-        if self._no_improvement_s is not None and self.clock() - self._improved_s >= self._no_improvement_s:
-            return True
-        return self._gap is not None and self._cost - self._bound <= self._gap * self._cost

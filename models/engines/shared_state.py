@@ -16,7 +16,7 @@ from .solution import Incumbent, SolveOptions, table_bytes
 
 if TYPE_CHECKING:
     from kerfwise.models.engines import ideals
-    from kerfwise.models.engines.ideals.priced_stretches import StretchPrices
+    from kerfwise.models.engines.ideals.stretches.priced_stretches import StretchPrices
     from kerfwise.models.engines.search import Searcher
 
 

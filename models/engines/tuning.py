@@ -36,7 +36,7 @@ FLOW_STEP = 0.4  # How far it goes from where it was towards the cheapest flow e
 FLOW_LITTLE = 1e-3  # Less than so much along a move is none of it.
 FLOW_LEAST = 0.02  # What the cheapest flow must be missing of an inequality.
 
-# bounds/flow_program.py
+# bounds/flow.py
 
 PROGRAM_AT_ONCE_S, PROGRAM_AT_ONCE = 1.0, 0.2
 """Deterministic seconds from one question whether there is time left to the next; and share of the work that is left,
@@ -131,7 +131,7 @@ NEW_SETS_PER_SET = 4  # How many new sets a set leads to at the most, where ther
 WALKS = 0.05  # Share of the work that bounds by walks may take.
 SEVERAL = 3.0  # A sweep backwards may take as many times its even share of what is left, as most need little.
 
-# ideals/priced_stretches.py
+# ideals/stretches/priced_stretches.py
 
 ROOM = 0.0005  # By what share of a plan the next limit is higher where a stretch has no way up to what it promised.
 UNSURE = 0.01  # By what share of a plan an end must be better from which plans may cost more than is known.
@@ -172,7 +172,7 @@ BYTES_AN_ENTRY, BYTES_A_STATE = 10, 4  # What is kept of every layer, for the wa
 SHARE_KEPT = 0.7
 """Of the bytes that a sweep may take, the share for layers that are made; the rest is for that which is being made."""
 
-# ideals/stretch_bounds.py
+# ideals/stretches/stretch_bounds.py
 
 STRETCH_MOST_NEIGHBOURS, STRETCH_SHARE, STRETCH_BYTES_A_NUMBER = 6, 0.25, 8
 """What a walk remembers at the most, and the share of the bytes given that the tables of all stretches may take."""
@@ -215,15 +215,15 @@ FORCED = 0.3  # share of ruins in which a site is forced, where that makes sense
 ANNEAL_MUCH = 0.4  # chance of overlooking a place where a trial is to differ
 JUDGE = 128  # trials between two looks at how many of them were lawful
 
-# search/conditions.py
+# search/state/conditions.py
 
 STEPS = 8  # a hard lag that is kept for no time at all counts as so many broken statements, besides one for itself
 
-# search/exchanges.py
+# search/moves/exchanges.py
 
 PER_TRIAL = 13  # operations for an exchange that is tried
 
-# search/lin_kernighan.py
+# search/moves/lin_kernighan.py
 
 CHAIN_NEAR, CHAIN_BESIDE = 0.5, 8.0
 """What the first temperature is, in reduced costs of near arcs, and of the arcs of the first good route: orders make
@@ -239,7 +239,7 @@ CHAIN_LONGEST = 16  # Length of stretches that a kick moves, where but one of it
 CHAIN_DRAWS = 100  # Draws of a kick after which there is none.
 PER_KICK = 50  # Operations for a kick, beside its swaps.
 
-# search/lin_kernighan_tables.py
+# search/moves/lin_kernighan_tables.py
 
 CHAINS_NEAREST = 10  # Arcs out of every contour that steps make.
 SPARSE, FEWEST, CHAINS_MOST = 0.5, 60, 3000
@@ -250,7 +250,7 @@ how many contours it is counted. Where they are distances, annealing does as wel
 TYPICAL = 5  # Nearest arcs by whose cost temperatures are chosen.
 BREADTH = (5, 3, 1, 1, 1, 1)  # Steps that are tried at each place of a chain; it is as long as this list at the most.
 
-# search/route_state.py
+# search/state/route_state.py
 
 ROUTE_STATE_NEAR = 16  # neighbours of a contour that moves look at
 
@@ -280,14 +280,14 @@ between two sites of the region."""
 MIDDLE = 0.3, 0.7  # Where a route is parted: between these shares of it.
 NEIGHBOURS = 200  # Contours near a contour that are kept in mind.
 
-# search/tour_merging.py
+# search/moves/tour_merging.py
 
 ANNEALINGS = 2  # of each walker in a generation
 CHILD = 0.02  # the most of a run that a child may take
 MERGING_LEAST = 8  # contours of a merged problem that is worth a search
 EACH = 400_000  # operations for each of its contours
 
-# search/travel.py
+# search/state/travel.py
 
 MATRIX_SITES = 3000  # a travel matrix is kept up to this many sites
 TRAVEL_NEAREST = 16  # ends of arcs that an exchange tries to make, the nearer the oftener

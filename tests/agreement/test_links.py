@@ -70,7 +70,7 @@ def test_the_search_finds_what_is_proven_also_where_it_keeps_no_matrix(
     assert proof is not None
     assert proof.incumbent is not None
     for sites in (3000, 0):
-        monkeypatch.setattr("kerfwise.models.engines.search.travel.MATRIX_SITES", sites)
+        monkeypatch.setattr("kerfwise.models.engines.search.state.travel.MATRIX_SITES", sites)
         found = searched(problem, replace(case.options, work=0.2))
         assert found is not None
         assert found.cost == proof.incumbent.cost

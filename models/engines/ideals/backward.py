@@ -18,6 +18,7 @@ from kerfwise.arrays import Ints
 from kerfwise.models.engines import bounds
 from kerfwise.models.engines.bounds.reduced_costs import ReducedCosts
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.ideals.stretches.stretch_tables import FAR, entrance_of, never, table_of
 from kerfwise.models.engines.tuning import BACKWARD_DEARER as DEARER
 from kerfwise.models.engines.tuning import BACKWARD_FIRST as FIRST
 from kerfwise.models.engines.tuning import BACKWARD_LITTLE as LITTLE
@@ -29,7 +30,6 @@ from kerfwise.models.problem.problem import Problem
 
 from .lattice import THREADS, SweptStretch, TooLarge, sweep_layers
 from .stretch import RestBound, localise, nothing_over
-from .stretch_tables import FAR, entrance_of, never, table_of
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion

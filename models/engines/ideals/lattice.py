@@ -12,6 +12,15 @@ import numpy as np
 
 from kerfwise.arrays import Floats, Int16s, Int32s, Ints
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.ideals.stretches.stretch_tables import (
+    HOME,
+    NARROW,
+    dearest,
+    entrance_of,
+    home_from,
+    make_moves,
+    never,
+)
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.engines.tuning import (
     A_SHARE,
@@ -32,7 +41,6 @@ from kerfwise.models.problem.problem import Problem
 from .kernels import Costs, LayerFrom, LayerTo, MoveTable, Room, Steps, arrange, leaving, promises, room_for, sweep
 from .sets import Growth, Sets, additions_of, grow, growth
 from .stretch import ConditionsByContour, CrossingAlternatives, Local, RestBound, crossing_extra_cost, localise, series
-from .stretch_tables import HOME, NARROW, dearest, entrance_of, home_from, make_moves, never
 
 THREADS = cores()
 

@@ -23,6 +23,18 @@ from kerfwise.models.engines.bounds.move_costs import Moves, open_crossings, pas
 from kerfwise.models.engines.bounds.network import Network
 from kerfwise.models.engines.bounds.reduced_costs import ReducedCosts, entering, reduced_costs
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.ideals.stretches.priced_stretches import Priced, PricedStretches, StretchPrices
+from kerfwise.models.engines.ideals.stretches.stretch_tables import (
+    FAR,
+    HOME,
+    add_settled,
+    conditions_within,
+    crossing_price,
+    ends_of,
+    home_from,
+    stretch_problem,
+    travel_between,
+)
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.engines.tuning import BACKWARD_MOST_NEIGHBOURS as MOST_NEIGHBOURS
 from kerfwise.models.engines.tuning import SEVERAL, WALKS
@@ -35,19 +47,7 @@ from kerfwise.rules.statements import About
 
 from .backward import Settled, settle
 from .lattice import sweeping
-from .priced_stretches import Priced, PricedStretches, StretchPrices
 from .stretch import ConditionsByContour, CrossingAlternatives, nothing_over, series
-from .stretch_tables import (
-    FAR,
-    HOME,
-    add_settled,
-    conditions_within,
-    crossing_price,
-    ends_of,
-    home_from,
-    stretch_problem,
-    travel_between,
-)
 
 ABOUT = About("network", (), "what a site asks that is split by its conditions")
 

@@ -19,6 +19,17 @@ import numpy as np
 
 from kerfwise.models.engines import bounds
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.ideals.stretches.stretch_bounds import (
+    Ahead,
+    LeastIn,
+    least_rest,
+    limits_within_work,
+    look_ahead,
+    missed_in,
+    rising_limits,
+    walked_rest,
+)
+from kerfwise.models.engines.ideals.stretches.stretch_tables import FAR, one_price
 from kerfwise.models.engines.solution import Incumbent, flows_s
 from kerfwise.models.engines.tuning import (
     AS_GOOD_AS_IT_GETS,
@@ -42,22 +53,10 @@ from kerfwise.models.problem.problem import Problem
 
 from .lattice import THREADS, Rests, TooLarge, Width, sweep_through, sweeping
 from .stretch import Local, RestBound, series
-from .stretch_bounds import (
-    Ahead,
-    LeastIn,
-    least_rest,
-    limits_within_work,
-    look_ahead,
-    missed_in,
-    rising_limits,
-    walked_rest,
-)
-from .stretch_tables import FAR, one_price
 
 if TYPE_CHECKING:
     from kerfwise.models.engines.bounds import Completion
-
-    from .priced_stretches import StretchPrices
+    from kerfwise.models.engines.ideals.stretches.priced_stretches import StretchPrices
 
 _Sweep = Callable[[int | None], Incumbent | None]
 

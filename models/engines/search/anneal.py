@@ -6,22 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
-from kerfwise.models.engines.tuning import ANNEAL_COLD as COLD
-from kerfwise.models.engines.tuning import ANNEAL_FALL as FALL
-from kerfwise.models.engines.tuning import ANNEAL_LONG as LONG
-from kerfwise.models.engines.tuning import ANNEAL_LOOKS as LOOKS
-from kerfwise.models.engines.tuning import ANNEAL_MOST as MOST
-from kerfwise.models.engines.tuning import ANNEAL_MUCH as MUCH
-from kerfwise.models.engines.tuning import ANNEAL_STEP as STEP
-from kerfwise.models.engines.tuning import EXCHANGES, FEW_RUINS, FORCED, HOT, JUDGE, LIVELY, LOOK, PER_TRIAL, RUINS
-from kerfwise.models.kernel_struct import kernel_argument
-from kerfwise.models.problem.moves import LAWFUL_MOST, UNLAWFUL
-
-from .conditions import lean_on_sites, literals_unmet, pieces_begun, too_close_within, too_soon, unmet
-from .exchanges import swap_towards, three_opt
-from .insertion import choose_sites, nearest_first, refresh_sites
-from .jit_tools import below, compiled, draw_share, entry
-from .route_state import (
+from kerfwise.models.engines.search.moves.exchanges import swap_towards, three_opt
+from kerfwise.models.engines.search.moves.insertion import choose_sites, nearest_first, refresh_sites
+from kerfwise.models.engines.search.moves.ruin_recreate import recreate, ruin
+from kerfwise.models.engines.search.state.conditions import (
+    lean_on_sites,
+    literals_unmet,
+    pieces_begun,
+    too_close_within,
+    too_soon,
+    unmet,
+)
+from kerfwise.models.engines.search.state.jit_tools import below, compiled, draw_share, entry
+from kerfwise.models.engines.search.state.route_state import (
     BEST,
     BROKEN,
     CLIMBS,
@@ -40,8 +37,18 @@ from .route_state import (
     State,
     new_state,
 )
-from .ruin_recreate import recreate, ruin
-from .travel import cell_of, crossing, leg
+from kerfwise.models.engines.search.state.travel import cell_of, crossing, leg
+from kerfwise.models.engines.tuning import ANNEAL_COLD as COLD
+from kerfwise.models.engines.tuning import ANNEAL_FALL as FALL
+from kerfwise.models.engines.tuning import ANNEAL_LONG as LONG
+from kerfwise.models.engines.tuning import ANNEAL_LOOKS as LOOKS
+from kerfwise.models.engines.tuning import ANNEAL_MOST as MOST
+from kerfwise.models.engines.tuning import ANNEAL_MUCH as MUCH
+from kerfwise.models.engines.tuning import ANNEAL_STEP as STEP
+from kerfwise.models.engines.tuning import EXCHANGES, FEW_RUINS, FORCED, HOT, JUDGE, LIVELY, LOOK, PER_TRIAL, RUINS
+from kerfwise.models.kernel_struct import kernel_argument
+from kerfwise.models.problem.moves import LAWFUL_MOST, UNLAWFUL
+
 from .walker import Walker
 
 # A walker that anneals by ruins and exchanges: for every problem.

@@ -7,15 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kerfwise.arrays import Bools, Ints, concat_ranges
+from kerfwise.models.engines.search.state.conditions import Demands
+from kerfwise.models.engines.search.state.route_state import SearchTables
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings, in_order
 from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.precedence import transitive
 from kerfwise.models.problem.problem import Durations, Links, Problem
 from kerfwise.rules.statements import About
-
-from .conditions import Demands
-from .route_state import SearchTables
 
 
 class Contractor:

@@ -13,6 +13,8 @@ import numpy as np
 
 from kerfwise.arrays import Bools, Ints
 from kerfwise.models.engines.deadline import Deadline, Progress
+from kerfwise.models.engines.search.moves.tour_merging import TourMerging, make_walkers, merge_tours, mergeable
+from kerfwise.models.engines.search.state.route_state import SearchTables, make_tables
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.engines.tuning import (
     CHILD,
@@ -48,8 +50,6 @@ from kerfwise.models.problem.problem import Problem
 
 from .anneal import AnnealingWalker
 from .region_problem import Contractor
-from .route_state import SearchTables, make_tables
-from .tour_merging import TourMerging, make_walkers, merge_tours, mergeable
 from .walker import CoolingPart, Elite, Schedule
 
 __all__ = ["Contractor", "Regions", "regional"]

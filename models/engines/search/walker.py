@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
+from kerfwise.models.engines.search.state.route_state import BEST, BROKEN, COST, WORK, SearchTables
 from kerfwise.models.engines.tuning import ANNEALED, COOL, HEATS, SIZE
 from kerfwise.models.engines.tuning import WALKER_SHORT as SHORT
 from kerfwise.models.engines.tuning import WALKER_SHORTEST as SHORTEST
-
-from .route_state import BEST, BROKEN, COST, WORK, SearchTables
 
 # What all walkers have: a state of their own, temperatures that suit the problem, and the best route so far.
 

@@ -17,25 +17,24 @@ ENGINES = Path(kerfwise.__file__).parent / "models" / "engines"
 TABLE = ENGINES / "tuning.py"
 FIXED = {
     "bounds/completion.py": {"GRAIN", "DEAREST"},
-    "bounds/flow.py": {"FAR"},
-    "bounds/flow_program.py": {"BY_DUAL", "BY_PRIMAL", "MOST_ROUNDS"},
+    "bounds/flow.py": {"FAR", "BY_DUAL", "BY_PRIMAL", "MOST_ROUNDS"},
     "bounds/network.py": {"MARGIN_UM"},
     "bounds/reduced_costs.py": {"NEVER", "MOST_UM", "GRAIN"},
     "bounds/separation.py": {"UNIT", "ALL"},
     "ideals/kernels.py": {"TOGETHER"},
     "ideals/prove.py": {"ROUNDING"},
     "ideals/stretch.py": {"HARD", "ALL"},
-    "ideals/stretch_bounds.py": {"NOWHERE"},
-    "ideals/stretch_tables.py": {"NARROW", "WIDE", "LANES", "HOME", "FAR"},
+    "ideals/stretches/stretch_bounds.py": {"NOWHERE"},
+    "ideals/stretches/stretch_tables.py": {"NARROW", "WIDE", "LANES", "HOME", "FAR"},
     "search/anneal.py": {"DEAREST"},
-    "search/conditions.py": {"HARD", "NO_SITE"},
-    "search/insertion.py": {"FAR"},
-    "search/lin_kernighan_tables.py": {"UNLAWFUL", "FRONT", "LOW", "HIGH"},
-    "search/route_state.py": {
+    "search/state/conditions.py": {"HARD", "NO_SITE"},
+    "search/moves/insertion.py": {"FAR"},
+    "search/moves/lin_kernighan_tables.py": {"UNLAWFUL", "FRONT", "LOW", "HIGH"},
+    "search/state/route_state.py": {
         *("LENGTH", "COST", "BROKEN", "BEST", "PRICE", "WORK", "TAKEN", "UNITS"),
-        *("STAMP", "TRIES", "LAWLESS", "CLIMBS", "TRADES", "TRADED", "NUMBERS"),
+        *("STAMP", "TRIES", "LAWLESS", "CLIMBS", "TRADES", "TRADED", "NUMBERS", "ROWS_AT_ONCE"),
     },
-    "search/travel.py": {"NO_LINK", "SPREAD", "DEAREST"},
+    "search/state/travel.py": {"NO_LINK", "SPREAD", "DEAREST"},
     "solution.py": {"BYTES_PER_GB"},
 }
 """Marks in tables, what stands for none or for too much, grains that keep sums exact, units: nothing to tune."""

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.arrays import Bools
-from kerfwise.models.engines.bounds import flow, flow_bound, flow_program
-from kerfwise.models.engines.bounds.flow_program import FlowProgram
+from kerfwise.models.engines.bounds import flow, flow_bound
+from kerfwise.models.engines.bounds.flow import FlowProgram
 from kerfwise.models.engines.bounds.network import Network, block_inequalities, network_of
 from kerfwise.models.engines.bounds.separation import Flow, Separation
 from kerfwise.models.engines.deadline import Deadline
@@ -206,7 +206,7 @@ def test_a_bound_holds_where_dear_moves_are_dropped_again_and_again(seed: int, m
         return kept
 
     monkeypatch.setattr(FlowProgram, "drop_dear", noted)
-    monkeypatch.setattr(flow_program, "MANY_MOVES", 0)
-    monkeypatch.setattr(flow_program, "FEWER_MOVES", 0)
+    monkeypatch.setattr(flow, "MANY_MOVES", 0)
+    monkeypatch.setattr(flow, "FEWER_MOVES", 0)
     assert 0.999 * whole <= flow_bound(seen, best, Deadline(5.0)).bound <= best.cost
     assert sum(dropped) > 0

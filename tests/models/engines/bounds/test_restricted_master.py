@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from scipy.sparse import csr_matrix
 
-from kerfwise.models.engines.bounds.flow_program import RestrictedMaster
+from kerfwise.models.engines.bounds.flow import RestrictedMaster
 from kerfwise.tests.tools.amount import examples
 
 

@@ -18,8 +18,8 @@ from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.lattice import TooLarge, sweep_through, sweeping
 from kerfwise.models.engines.ideals.priced import price
 from kerfwise.models.engines.ideals.stretch import series
-from kerfwise.models.engines.ideals.stretch_bounds import Ahead, look_ahead, missed_in
-from kerfwise.models.engines.ideals.stretch_tables import FAR
+from kerfwise.models.engines.ideals.stretches.stretch_bounds import Ahead, look_ahead, missed_in
+from kerfwise.models.engines.ideals.stretches.stretch_tables import FAR
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem

@@ -15,7 +15,7 @@ from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.prove import applies
 from kerfwise.models.engines.ideals.stretch import series
-from kerfwise.models.engines.ideals.stretch_tables import NARROW
+from kerfwise.models.engines.ideals.stretches.stretch_tables import NARROW
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.jit import Kernel
 from kerfwise.models.problem.conditions import Condition

@@ -17,7 +17,7 @@ from kerfwise.models.engines.bounds import complete
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.lattice import TooLarge
-from kerfwise.models.engines.ideals.stretch_bounds import limits_within_work, rising_limits
+from kerfwise.models.engines.ideals.stretches.stretch_bounds import limits_within_work, rising_limits
 from kerfwise.models.engines.solution import Incumbent, SolveOptions
 from kerfwise.models.engines.tuning import STRETCH_DEARER as DEARER
 from kerfwise.models.problem.evaluate import route_cost

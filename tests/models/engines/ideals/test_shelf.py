@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from kerfwise.models.engines.ideals import stretch_bounds
-from kerfwise.models.engines.ideals.stretch_bounds import Arena
+from kerfwise.models.engines.ideals.stretches import stretch_bounds
+from kerfwise.models.engines.ideals.stretches.stretch_bounds import Arena
 
 
 def test_tables_stay_as_they_were(monkeypatch: pytest.MonkeyPatch) -> None:

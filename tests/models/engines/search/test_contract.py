@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from kerfwise.models.engines.search.region_problem import Region
-from kerfwise.models.engines.search.route_state import make_tables
 from kerfwise.models.engines.search.searcher import Contractor, separable
+from kerfwise.models.engines.search.state.route_state import make_tables
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.evaluate import broken, route_cost

@@ -13,9 +13,9 @@ import pytest
 from kerfwise.arrays import Ints
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher, searcher
-from kerfwise.models.engines.search.route_state import make_tables
+from kerfwise.models.engines.search.moves.tour_merging import merge_tours
 from kerfwise.models.engines.search.searcher import Contractor, Regions, Stage, regional
-from kerfwise.models.engines.search.tour_merging import merge_tours
+from kerfwise.models.engines.search.state.route_state import make_tables
 from kerfwise.models.engines.search.walker import Elite
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.search import Searcher, travel
+from kerfwise.models.engines.search import Searcher
+from kerfwise.models.engines.search.state import travel
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Durations, Problem

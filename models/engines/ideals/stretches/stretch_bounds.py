@@ -15,6 +15,8 @@ import numpy as np
 from kerfwise.arrays import Floats, Ints
 from kerfwise.models.engines import bounds
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.ideals.lattice import SweptStretch, TooLarge, sweep_layers
+from kerfwise.models.engines.ideals.stretch import ConditionsByContour, Local, RestBound, chain_orders, localise, series
 from kerfwise.models.engines.tuning import ENDS, FAR_OVER, LEAST_STEP, ONE_GO, PIECE, SHARES, SOON, TWICE
 from kerfwise.models.engines.tuning import STRETCH_BYTES_A_NUMBER as BYTES_A_NUMBER
 from kerfwise.models.engines.tuning import STRETCH_DEARER as DEARER
@@ -27,8 +29,6 @@ from kerfwise.models.engines.tuning import STRETCH_WIDER as WIDER
 from kerfwise.models.problem.precedence import Followers
 from kerfwise.models.problem.problem import Problem
 
-from .lattice import SweptStretch, TooLarge, sweep_layers
-from .stretch import ConditionsByContour, Local, RestBound, chain_orders, localise, series
 from .stretch_tables import FAR, HOME, ends_of, entrance_of, make_moves, never, stretch_problem, travel_between
 
 if TYPE_CHECKING:

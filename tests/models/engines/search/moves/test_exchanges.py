@@ -7,7 +7,7 @@ import pytest
 
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher
-from kerfwise.models.engines.search.travel import make_arcs, make_legs
+from kerfwise.models.engines.search.state.travel import make_arcs, make_legs
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import Lag

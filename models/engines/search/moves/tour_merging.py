@@ -8,18 +8,18 @@ from functools import partial
 
 import numpy as np
 
+from kerfwise.models.engines.search.anneal import AnnealingWalker
+from kerfwise.models.engines.search.region_problem import Contractor
+from kerfwise.models.engines.search.state.route_state import SearchTables, make_tables
+from kerfwise.models.engines.search.walker import CoolingPart, Elite, Pool, Walker
 from kerfwise.models.engines.tuning import ANNEALINGS, EACH, MATRIX_SITES
 from kerfwise.models.engines.tuning import MERGING_LEAST as LEAST
 from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
-from .anneal import AnnealingWalker
 from .lin_kernighan import ChainedWalker
 from .lin_kernighan_tables import chained
-from .region_problem import Contractor
-from .route_state import SearchTables, make_tables
-from .walker import CoolingPart, Elite, Pool, Walker
 
 __all__ = ["ChainedWalker", "chained"]
 

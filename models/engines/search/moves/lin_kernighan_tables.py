@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Int32s, Ints
+from kerfwise.models.engines.search.state.route_state import BEST, NUMBERS, OrderLists, SearchTables
 from kerfwise.models.engines.tuning import BREADTH, DETOURS, FEWEST, SAMPLE, SPARSE, TYPICAL
 from kerfwise.models.engines.tuning import CHAINS_MOST as MOST
 from kerfwise.models.engines.tuning import CHAINS_NEAREST as NEAREST
 from kerfwise.models.problem.precedence import lawful_followers
-
-from .route_state import BEST, NUMBERS, OrderLists, SearchTables
 
 # Arcs as chains of exchanges read them, and on which problems chains are tried.
 

@@ -5,9 +5,9 @@ import pytest
 
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher
+from kerfwise.models.engines.search.moves.tour_merging import mergeable
 from kerfwise.models.engines.search.region_problem import Contractor, Region
-from kerfwise.models.engines.search.route_state import make_tables
-from kerfwise.models.engines.search.tour_merging import mergeable
+from kerfwise.models.engines.search.state.route_state import make_tables
 from kerfwise.models.engines.search.walker import Elite, Pool
 from kerfwise.models.engines.tuning import SIZE
 from kerfwise.models.problem.evaluate import broken, route_cost

@@ -5,9 +5,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from kerfwise.models.engines.search.anneal import AnnealingWalker
+from kerfwise.models.engines.search.moves.tour_merging import TourMerging, merge_tours
 from kerfwise.models.engines.search.region_problem import Contractor
-from kerfwise.models.engines.search.route_state import make_tables
-from kerfwise.models.engines.search.tour_merging import TourMerging, merge_tours
+from kerfwise.models.engines.search.state.route_state import make_tables
 from kerfwise.models.engines.search.walker import CoolingPart, Elite, Walker
 from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.evaluate import broken, route_cost

@@ -8,10 +8,10 @@ import pytest
 
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.search import Searcher
-from kerfwise.models.engines.search.lin_kernighan import stretches
-from kerfwise.models.engines.search.lin_kernighan_tables import detour_share, nearest_lawful, reduced_costs
-from kerfwise.models.engines.search.route_state import COST, make_tables
-from kerfwise.models.engines.search.tour_merging import ChainedWalker, chained
+from kerfwise.models.engines.search.moves.lin_kernighan import stretches
+from kerfwise.models.engines.search.moves.lin_kernighan_tables import detour_share, nearest_lawful, reduced_costs
+from kerfwise.models.engines.search.moves.tour_merging import ChainedWalker, chained
+from kerfwise.models.engines.search.state.route_state import COST, make_tables
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.brute import cheapest

@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
-from .conditions import met_at, pieces_begun, too_close, unmet
-from .jit_tools import compiled, draw_share
-from .route_state import LENGTH, NOWHERE, PRICE, START, WORK, SearchTables, State, inside_block, put_in, window
-from .travel import cell_of, crossing, fare, least_enter, least_leave
+from kerfwise.models.engines.search.state.conditions import met_at, pieces_begun, too_close, unmet
+from kerfwise.models.engines.search.state.jit_tools import compiled, draw_share
+from kerfwise.models.engines.search.state.route_state import (
+    LENGTH,
+    NOWHERE,
+    PRICE,
+    START,
+    WORK,
+    SearchTables,
+    State,
+    inside_block,
+    put_in,
+    window,
+)
+from kerfwise.models.engines.search.state.travel import cell_of, crossing, fare, least_enter, least_leave
 
 # What it costs to put a contour in at a place, travel aside.
 

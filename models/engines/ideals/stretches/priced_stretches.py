@@ -18,15 +18,15 @@ from kerfwise.arrays import Bools, Ints
 from kerfwise.models.engines.bounds.move_costs import Moves, best_way, open_crossings, passages_of
 from kerfwise.models.engines.bounds.reduced_costs import Proving, ReducedCosts
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.ideals.backward import Settled
+from kerfwise.models.engines.ideals.kernels import Costs
+from kerfwise.models.engines.ideals.lattice import SweptLayer, SweptStretch, TooLarge, bytes_of, sweep_layers, walk_back
+from kerfwise.models.engines.ideals.stretch import CrossingAlternatives, Local, RestBound, localise
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.engines.tuning import ROOM, UNSURE
 from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 
-from .backward import Settled
-from .kernels import Costs
-from .lattice import SweptLayer, SweptStretch, TooLarge, bytes_of, sweep_layers, walk_back
-from .stretch import CrossingAlternatives, Local, RestBound, localise
 from .stretch_tables import FAR, HOME, crossing_price, entrance_of, home_from, never, table_of
 
 if TYPE_CHECKING:

@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
+from kerfwise.models.engines.ideals.kernels import Costs, MoveTable
+from kerfwise.models.engines.ideals.stretch import CrossingAlternatives, Local, nothing_over
 from kerfwise.models.problem.bitsets import words
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.moves import LAWFUL_MOST, UNLAWFUL, MovePrices
 from kerfwise.models.problem.problem import Links, Problem
-
-from .kernels import Costs, MoveTable
-from .stretch import CrossingAlternatives, Local, nothing_over
 
 NARROW = 1 << 29
 """Twice as much fits in 32 bits."""

@@ -6,11 +6,17 @@ from typing import cast
 
 import numpy as np
 
-from kerfwise.models.engines.tuning import PER_TRIAL
-
-from .insertion import FAR
-from .jit_tools import below, chunk, compiled, draw_number, high, is_odd, rather_low, short
-from .route_state import (
+from kerfwise.models.engines.search.state.jit_tools import (
+    below,
+    chunk,
+    compiled,
+    draw_number,
+    high,
+    is_odd,
+    rather_low,
+    short,
+)
+from kerfwise.models.engines.search.state.route_state import (
     BEST,
     COST,
     LENGTH,
@@ -32,7 +38,10 @@ from .route_state import (
     swap_places,
     take_up,
 )
-from .travel import fare, gap_cost
+from kerfwise.models.engines.search.state.travel import fare, gap_cost
+from kerfwise.models.engines.tuning import PER_TRIAL
+
+from .insertion import FAR
 
 # Swapping two adjacent stretches so that two near contours follow each other (SOP 3-exchange).
 #

@@ -6,6 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Ints
+from kerfwise.models.engines.search.state.jit_tools import below, compiled, draw_share, entry
+from kerfwise.models.engines.search.state.route_state import BEST, COST, WORK, SearchTables, may_swap, swap_places
+from kerfwise.models.engines.search.walker import Walker
 from kerfwise.models.engines.tuning import BREADTH, KICKS, PER_ARC, PER_CONTOUR, PER_KICK, PER_SWAP, STILL, WIDTH
 from kerfwise.models.engines.tuning import CHAIN_BESIDE as BESIDE
 from kerfwise.models.engines.tuning import CHAIN_DRAWS as DRAWS
@@ -15,7 +18,6 @@ from kerfwise.models.engines.tuning import CHAIN_NEAR as NEAR
 from kerfwise.models.engines.tuning import CHAIN_SHORT as SHORT
 from kerfwise.models.kernel_struct import kernel_argument
 
-from .jit_tools import below, compiled, draw_share, entry
 from .lin_kernighan_tables import (
     DEPTH,
     FRONT,
@@ -30,8 +32,6 @@ from .lin_kernighan_tables import (
     new_chain_state,
     typical_cost,
 )
-from .route_state import BEST, COST, WORK, SearchTables, may_swap, swap_places
-from .walker import Walker
 
 # A walker that goes on by kicks and chains: for problems of arcs and few orders.
 

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from kerfwise.models.engines.search.state.jit_tools import below, compiled, draw_share
+from kerfwise.models.engines.search.state.route_state import (
+    LENGTH,
+    TAKEN,
+    UNITS,
+    OrderLists,
+    SearchTables,
+    State,
+    close_gaps,
+    window,
+)
+from kerfwise.models.engines.search.state.travel import least_leave
+
 from .insertion import insert_contour, insert_string
-from .jit_tools import below, compiled, draw_share
-from .route_state import LENGTH, TAKEN, UNITS, OrderLists, SearchTables, State, close_gaps, window
-from .travel import least_leave
 
 
 @compiled

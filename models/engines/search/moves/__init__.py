@@ -1,0 +1,1 @@
+"""How a search changes a route: exchanges, ruins that are made good, chains of exchanges, routes merged."""
