@@ -1,4 +1,4 @@
-"""What benchmarks of made plates have in common: the plate, the profile without some rules, and how a cost is told."""
+"""What benchmarks of made plates have in common: the plate, profiles without rules, plans by zones, costs in words."""
 
 from __future__ import annotations
 
@@ -9,9 +9,15 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs.adaptive_zones import ZonedPlan, better_zones, plan_by_rungs, zones_follow
+from kerfwise.jobs.plan_without_zones import zoned_by
+from kerfwise.jobs.request import Request
+from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.solve import solve
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM
+from kerfwise.rules.stating.lazy_statements import lazy_statements
 
 
 def made_plate(contours: int, seed: int) -> Nest:
@@ -41,3 +47,14 @@ def cost(objective_mm: float) -> str:
     """
     excuses = int(objective_mm // EXEMPTION_MM)
     return f"{rest_mm(objective_mm) / 1000:.2f}{f' + {excuses}' if excuses else ''}"
+
+
+def planned_by_zones(request: Request, profile: Profile, limits: SolveOptions) -> ZonedPlan:
+    """A plan by zones, moved where that pays, without its program."""
+    zoned = zones_follow(request) and zoned_by(request.facts, profile)
+    if zoned and (found := plan_by_rungs(request, profile, limits)):
+        return found
+    looks = lazy_statements(request.facts, profile)
+    solution = solve(request.facts, request.stated.statements, limits, None, looks)
+    order = [request.facts.candidates[c].contour for c in solution.route]
+    return better_zones(request, lazy_statements(request.facts, profile)(order), profile, solution, limits)

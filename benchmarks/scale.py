@@ -22,8 +22,7 @@ from pathlib import Path
 
 import kerfwise
 from kerfwise.apps.bench.bench_child import load_kernels, peak_mb
-from kerfwise.benchmarks.plates import cost, default_without, made_plate
-from kerfwise.jobs.adaptive_zones import planned_by_zones
+from kerfwise.benchmarks.plates import cost, default_without, made_plate, planned_by_zones
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.engines.tuning import MOST_CONTOURS

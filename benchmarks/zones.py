@@ -30,8 +30,7 @@ import numpy as np
 
 import kerfwise
 from kerfwise.apps.bench.bench_child import load_kernels, peak_mb
-from kerfwise.benchmarks.plates import cost, default_without, made_plate, rest_mm
-from kerfwise.jobs.adaptive_zones import planned_by_zones
+from kerfwise.benchmarks.plates import cost, default_without, made_plate, planned_by_zones, rest_mm
 from kerfwise.jobs.plan_without_zones import zoned_by
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions

@@ -42,7 +42,6 @@ from .plan_without_zones import (
     restated,
     searched,
     without_zones,
-    zoned_by,
     zones_cost,
 )
 from .request import Found, Request
@@ -379,16 +378,3 @@ def _by_zones(
 def zones_follow(asked: Request) -> bool:
     """Whether zones are drawn along a plan from the start: geometry made them, of neither few nor many contours."""
     return GEOMETRY < asked.facts.n <= FEW and movable(asked.facts)
-
-
-def planned_by_zones(request: Request, profile: Profile, limits: SolveOptions) -> ZonedPlan:
-    """A plan by zones, moved where that pays, without its program: for benchmarks."""
-    from kerfwise.models.engines.solve import solve
-
-    zoned = zones_follow(request) and zoned_by(request.facts, profile)
-    if zoned and (found := plan_by_rungs(request, profile, limits)):
-        return found
-    looks = lazy_statements(request.facts, profile)
-    solution = solve(request.facts, request.stated.statements, limits, None, looks)
-    order = [request.facts.candidates[c].contour for c in solution.route]
-    return better_zones(request, lazy_statements(request.facts, profile)(order), profile, solution, limits)

@@ -13,13 +13,14 @@ import pytest
 
 from kerfwise import pipeline
 from kerfwise.arrays import Ints
+from kerfwise.benchmarks.plates import planned_by_zones
 from kerfwise.encoder.facts import zones, zones_along_route
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs import adaptive_zones, plan_without_zones
-from kerfwise.jobs.adaptive_zones import better_zones, planned_by_zones
+from kerfwise.jobs.adaptive_zones import better_zones
 from kerfwise.jobs.plan_without_zones import Free, is_look_worthwhile, look_for
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions

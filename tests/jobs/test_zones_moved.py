@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from kerfwise.arrays import Ints
+from kerfwise.benchmarks.plates import planned_by_zones
 from kerfwise.encoder.facts import Facts, zones
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs import adaptive_zones
-from kerfwise.jobs.adaptive_zones import Free, ZonedPlan, better_zones, planned_by_zones
+from kerfwise.jobs.adaptive_zones import Free, ZonedPlan, better_zones
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions, Status
 from kerfwise.models.engines.solve import solve
