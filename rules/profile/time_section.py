@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import resources
@@ -328,6 +328,22 @@ class Time:
         default=0.05,
         metadata=option(likely(positive(LENGTH), 1e-4, 50.0), "how far a corner may be rounded to take it faster"),
     )
+
+    def quicker_than_its_words(self, cut_feed_mm_s: float) -> Iterator[str]:
+        """That the torch moves faster by the law than programs say, which no machine does."""
+        law = self.feed_by_blocks
+        given = "give the law that was measured at this feed, or time.model: acceleration"
+        if self.model == "blocks" and law is not None and law.fastest_mm_s > _QUICKER * cut_feed_mm_s:
+            most, feed = (f"{mm_s * 60 / 1000:.4g} m/min" for mm_s in (law.fastest_mm_s, cut_feed_mm_s))
+            named = f"feed law {law.name}" if law.name else "feed law"
+            yield (
+                f"time: by the {named} the torch moves at up to {most}, and programs say {feed} (machine.cut_feed): "
+                f"the times told are too short; {given}"
+            )
+
+
+_QUICKER = 1.25
+"""Short programs run a little faster than the set feed, by laws that were measured: never so much."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -163,7 +163,9 @@ class ProfileValues:
 
     def time_and_price_notes(self) -> tuple[str, ...]:
         """What a planner would want to know of times and prices: what does not hold, or is for another thickness."""
-        notes = [] if self.law_left is None else [self.law_left.told(self.machine.cut_feed_mm_s)]
+        feed_mm_s = self.machine.cut_feed_mm_s
+        notes = [] if self.law_left is None else [self.law_left.told(feed_mm_s)]
+        notes += self.time.quicker_than_its_words(feed_mm_s)
         if self.kept is not None:
             notes.append(self.kept.told(self.machine, self.material))
         half_given = list(self.prices.half_given(self.material.gas_flow_m3_h))

@@ -90,10 +90,9 @@ def test_every_stop_of_300_contours_whose_zones_have_moved(tmp_path: Path) -> No
         limits = options_for(nest, locked, work=0.01)
         found = searched(request.facts, request.stated, locked, (), limits, moves=False)
         assert found is not None, upto
-        route = [request.facts.candidates[c].contour for c in found.solution.route]
-        expect_first_and_in_turn(
-            [nest.contours[c].id for c in route], [request.facts.zone[c] for c in route], old, upto
-        )
+        rest = [request.facts.candidates[c].contour for c in found.solution.route]
+        contours, zones = [request.facts.nest.contours[c].id for c in rest], [request.facts.zone[c] for c in rest]
+        expect_first_and_in_turn(contours, zones, old, upto)
         if upto % 7 == 1:
             plan = plan_of(request, locked, found.solution, limits, (), reasons=False)
             expect_in_step(plan, check_plan(nest, plan, locked), old, upto)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import kerfwise as package
 from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.load import load_profile, shipped_profiles
 from kerfwise.rules.profile.time_section import FeedLaw, LawKind, LawPiece, shipped_laws
 from kerfwise.tests.commands.run_cli import kerfwise
 
@@ -208,6 +208,20 @@ def test_a_law_is_left_out_at_another_feed(tmp_path: Path, text: str, model: str
     if notes:
         assert plant.said_at["time.model"].endswith("plant.yaml:2")
         assert plant.time.feed_by_blocks is None
+
+
+def test_a_law_that_is_quicker_than_the_words_of_programs_is_told(tmp_path: Path) -> None:
+    text = "machine: {{cut_feed: {}}}\ntime: {{model: blocks, feed_by_blocks: bystar-3015-amg3m-1mm}}\n"
+    for feed, notes in (("2 m/min", 1), ("6 m/min", 0)):
+        (tmp_path / "plant.yaml").write_text(text.format(feed))
+        told = load_profile(tmp_path / "plant.yaml").time_and_price_notes()
+        assert [note.partition(", and")[0] for note in told] == [
+            "time: by the feed law bystar-3015-amg3m-1mm the torch moves at up to 6.295 m/min"
+        ] * notes
+
+
+def test_no_shipped_profile_is_quicker_than_its_words() -> None:
+    assert [note for name in shipped_profiles() for note in load_profile(name).time_and_price_notes()] == []
 
 
 def test_the_command_line_tells_once_that_a_law_is_left_out() -> None:
