@@ -44,23 +44,9 @@ class Straightness:
 class TradeOff:
     """Plans of one nest at prices of an overheat, and of a mm that parts are off.
 
-    Parameters
-    ----------
-    facts
-        Of the nest.
-    profile
-        Its own price of an overheat is not looked at.
-    limits
-        Of each plan.
-    relax
-        Where hard rules clash, the cheapest statements give way, marked in each plan.
-    straightness
-        How far parts are off, where that is an axis, too.
-
-    Raises
-    ------
-    RulesConflict
-        If hard orders contradict each other.
+    `profile`: its own price of an overheat is not looked at. `limits`: of each plan. `relax`: where hard rules clash,
+    the cheapest statements give way, marked in each plan. `straightness`: how far parts are off, where that is an axis,
+    too. Raises RulesConflict if hard orders contradict each other.
     """
 
     def __init__(

@@ -94,29 +94,12 @@ def work_sheet(
 ) -> WorkSheet:
     """The work sheet of a plan.
 
-    Parameters
-    ----------
-    inputs
-        Nest and profile.
-    plan
-        The plan of the nest.
-    program
-        The file of its NC program; where none is given, the program is written anew from the plan, as `solve` does.
-    name
-        What the program's file is called, where no file is given; else it is named after the nest.
-    about
-        More to say at the top.
-    tell
-        Told what is not as it was when the plan was made; it stands on the sheet, too.
-    language
-        That it speaks: one of `LANGUAGES`.
-
-    Raises
-    ------
-    InputError
-        If the plan or the program is of another nest, or the program cannot be read.
-    RulesConflict
-        If the check refuses the plan, or the program does not follow it: nobody should cut by such a sheet.
+    `inputs`: nest and profile. `plan`: the plan of the nest. `program`: the file of its NC program; where none is
+    given, the program is written anew from the plan, as `solve` does. `name`: what the program's file is called, where
+    no file is given; else it is named after the nest. `about`: more to say at the top. `tell`: told what is not as it
+    was when the plan was made; it stands on the sheet, too. `language`: that it speaks: one of `LANGUAGES`. Raises
+    InputError if the plan or the program is of another nest, or the program cannot be read; RulesConflict if the check
+    refuses the plan, or the program does not follow it: nobody should cut by such a sheet.
     """
     trusted_dialect(inputs.profile)
     changed = tuple(differences(plan, inputs, judged=True))
