@@ -6,14 +6,14 @@ import math
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from shapely import ops
 from shapely.ops import substring
 
-from kerfwise.encoder.cut import Cut, CutSequence, Span, Tab
+from kerfwise.encoder.cut import Cut, CutSequence, Direction, Span, Tab
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
@@ -198,8 +198,6 @@ _LEAD = re.compile(
     rf"(?P<rows>{_NUMBER}(?: {_NUMBER})*)",
     re.IGNORECASE,
 )
-
-
 _TAB = re.compile(
     rf"(?P<how>OUT|BROKEN) (?P<order>\d{{1,9}}) TAB (?P<x>{_NUMBER}) (?P<y>{_NUMBER}) (?P<width>{_NUMBER})",
     re.IGNORECASE,
@@ -209,6 +207,7 @@ _BEGUN = re.compile(
     rf"FROM (?P<x0>{_NUMBER}) (?P<y0>{_NUMBER}) TO (?P<x1>{_NUMBER}) (?P<y1>{_NUMBER})",
     re.IGNORECASE,
 )
+_LeadKey = tuple[str, int, str]
 _SLIT = re.compile(r"\.slit\d+$", re.IGNORECASE)
 
 
@@ -229,12 +228,7 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> ResumeState:
     if after is None:
         return ResumeState()
     ids = ids_by_name(nest, lines)
-    leads: dict[tuple[str, int, str], list[float]] = defaultdict(list)
-    linked: set[tuple[str, int, str]] = set()
-    for found in filter(None, map(_LEAD.fullmatch, lines)):
-        key = (found["how"].upper(), int(found["order"]), found["which"].upper())
-        leads[key] += [float(word) for word in found["rows"].split()]
-        linked |= {key} if found["what"].upper() == "LINK" else set()
+    leads, linked = _leads(lines)
     tabs: dict[tuple[str, int], tuple[Tab, ...]] = defaultdict(tuple)
     for found in filter(None, map(_TAB.fullmatch, lines)):
         tab = Tab((float(found["x"]), float(found["y"])), float(found["width"]))
@@ -247,14 +241,12 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> ResumeState:
         if name is None:
             wrong.append(f"cut {order} is said to be of {found['contour']}, which the nest does not have")
             continue
-        lead_in, lead_out = (_lead(leads.get((how, order, which), [])) for which in ("IN", "OUT"))
+        lead_in, lead_out = (leads.get((how, order, which)) for which in ("IN", "OUT"))
         pierce = (float(found["x"]), float(found["y"]))
-        join = pierce if lead_in is None else lead_in.end
-        curve = nest.contour(name).curve
-        entry = curve.nearest(join)
-        way = "cw" if found["way"].upper() == "CW" else "ccw"
-        cut = Cut(name, entry, "cw" if way == "cw" else "ccw", pierce, lead_in, lead_out, int(found["zone"]))
-        cut = replace(cut, linked=(how, order, "IN") in linked, tabs=tabs[how, order])
+        cut = Cut(
+            name, nest.contour(name).curve.nearest(pierce if lead_in is None else lead_in.end), _way(found["way"]),
+            pierce, lead_in, lead_out, int(found["zone"]), linked=(how, order, "IN") in linked, tabs=tabs[how, order],
+        )  # fmt: skip
         if how == "BROKEN":
             broken_off = cut
         else:
@@ -268,9 +260,9 @@ def read_resumed(nest: Nest, comments: Iterable[str]) -> ResumeState:
             wrong.append(f"a stretch is said to be of {found['contour']}, which the nest does not have")
             continue
         begin, end = ((float(found[f"x{k}"]), float(found[f"y{k}"])) for k in (0, 1))
-        lead_in, curve = _lead(leads.get(("BEGUN", order, "IN"), [])), nest.contour(name).curve
+        lead_in, curve = leads.get(("BEGUN", order, "IN")), nest.contour(name).curve
         cut = Cut(
-            name, curve.nearest(begin), "cw" if found["way"].upper() == "CW" else "ccw",
+            name, curve.nearest(begin), _way(found["way"]),
             begin if lead_in is None else lead_in.start, lead_in, Curve.of([end], closed=False), int(found["zone"]),
             linked=("BEGUN", order, "IN") in linked, span=Span(begin, end),
         )  # fmt: skip
@@ -329,19 +321,26 @@ def _lit(ring: shapely.LineString, cut: Cut, kerf_mm: float) -> Iterator[shapely
 def slit_ends(comments: Iterable[str]) -> Iterator[tuple[str, Point, Point]]:
     """Name, where its lead-in ends and where the torch went off, of each slit that comments say is already cut."""
     lines = list(comments)
-    leads: dict[tuple[str, str], list[float]] = defaultdict(list)
-    for found in filter(None, map(_LEAD.fullmatch, lines)):
-        leads[f"{found['how']} {found['order']}".upper(), found["which"].upper()] += map(float, found["rows"].split())
+    leads, _ = _leads(lines)
     for found in filter(None, map(_OUT.fullmatch, lines)):
-        head, name = f"OUT {found['order']}", found["contour"]
-        lead_in, lead_out = (_lead(leads.get((head, which), [])) for which in ("IN", "OUT"))
+        name = found["contour"]
+        lead_in, lead_out = (leads.get(("OUT", int(found["order"]), which)) for which in ("IN", "OUT"))
         if found["how"].upper() == "OUT" and _SLIT.search(name) and lead_out is not None:
             pierce = (float(found["x"]), float(found["y"]))
             yield name, pierce if lead_in is None else lead_in.end, lead_out.end
 
 
-def _lead(numbers: list[float]) -> Curve | None:
-    """x, y and bulge of each vertex."""
-    if not numbers or len(numbers) % 3:
-        return None
-    return Curve(np.array(numbers).reshape(-1, 3), closed=False)
+def _way(word: str) -> Direction:
+    return "cw" if word.upper() == "CW" else "ccw"
+
+
+def _leads(lines: Iterable[str]) -> tuple[dict[_LeadKey, Curve], set[_LeadKey]]:
+    """The leads that comments tell, by whose they are, its number, and in or out; and which of them are links."""
+    rows: dict[_LeadKey, list[float]] = defaultdict(list)
+    linked: set[_LeadKey] = set()
+    for found in filter(None, map(_LEAD.fullmatch, lines)):
+        key = found["how"].upper(), int(found["order"]), found["which"].upper()
+        rows[key] += map(float, found["rows"].split())
+        linked |= {key} if found["what"].upper() == "LINK" else set()
+    whole = {key: numbers for key, numbers in rows.items() if len(numbers) % 3 == 0}  # x, y and bulge of each vertex
+    return {key: Curve(np.array(numbers).reshape(-1, 3), closed=False) for key, numbers in whole.items()}, linked

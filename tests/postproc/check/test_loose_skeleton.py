@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import shapely
 
-from kerfwise.encoder.facts.compute import skeleton_of
+from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.scrap import with_scrap
 from kerfwise.postproc.check.loose_metal import cuts_in_loose_skeleton
 from kerfwise.postproc.check.plan_runs import runs_from_cuts
 from kerfwise.rules.case import in_order, nest, part, rect
+from kerfwise.rules.catalogue.scrap_last.skeleton import skeleton_of
 from kerfwise.rules.judging.holding import bounding, loose_scrap_cuts
 
 KERF_MM = 1.0
@@ -57,9 +58,9 @@ def test_what_only_narrow_webs_hold_is_not_the_frame(web_mm: float) -> None:
     """Between the arms of A lies more than in any piece of the grid."""
     sheet = webbed(web_mm)
     framed, pairs = bounding(sheet, KERF_MM)
-    facts, ids = skeleton_of(sheet, KERF_MM), [c.id for c in sheet.contours]
-    assert {ids[k] for k in np.flatnonzero(facts.framed)} == framed != set()
-    assert {(ids[a], ids[b]) for a, b in facts.beside.tolist()} == pairs
+    facts, ids = skeleton_of(sheet, FactOptions(kerf_mm=KERF_MM)), [c.id for c in sheet.contours]
+    assert {ids[k] for k in np.flatnonzero(facts["scrap_framed"].values)} == framed != set()
+    assert {(ids[a], ids[b]) for a, b in facts["scrap_beside"].values.tolist()} == pairs
     done = sorted(framed)[:1]
     while ready := sorted({a for a, b in pairs if b in done} - {*done}):
         done.append(ready[0])
@@ -74,7 +75,8 @@ def test_a_line_in_a_narrow_web_may_be_cut_at_any_time() -> None:
     web, upright = [(61, 50), (61.3, 50)], [(150.0, 0.0), (150.0, 100.0)]
     sheet = nest(300, 100, *plates, scrap=[web, upright])
     assert bounding(sheet, KERF_MM)[0] == {"scrap1", "scrap2"}
-    assert skeleton_of(sheet, KERF_MM).framed.tolist() == [False, False, True, True]
+    framed = skeleton_of(sheet, FactOptions(kerf_mm=KERF_MM))["scrap_framed"]
+    assert framed.values.tolist() == [False, False, True, True]
     for order in ("scrap1 scrap2", "scrap2 scrap1"):
         assert loose(sheet, f"A.outer B.outer {order}") == []
         assert list(loose_scrap_cuts(sheet, in_order(sheet, f"A.outer B.outer {order}"), KERF_MM)) == []
