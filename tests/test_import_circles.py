@@ -85,6 +85,18 @@ def test_no_module_is_imported_by_most_others() -> None:
     assert many == set(IMPORTED_EVERYWHERE)
 
 
+def test_folders_of_engines_have_at_most_eight_files_and_their_functions_eight_parameters() -> None:
+    folders: dict[Path, int] = {}
+    for path in sorted((ROOT / "models" / "engines").glob("*/**/*.py")):
+        folders[path.parent] = folders.get(path.parent, 0) + 1
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef):
+                of = [arg.arg for arg in (*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs)]
+                assert len(of) - (of[:1] == ["self"]) <= 8, f"{path}: {node.name}"
+    assert len(folders) >= 6
+    assert max(folders.values()) <= 8, folders
+
+
 @pytest.mark.parametrize(
     "late",
     [
