@@ -17,10 +17,10 @@ from kerfwise.rules.statements import EXEMPTION_MM
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 from kerfwise.tests.agreement.by_check import Judge, Let, shifted
-from kerfwise.tests.agreement.cases import Kind as KindOfNest
-from kerfwise.tests.agreement.cases import judged_case
+from kerfwise.tests.agreement.cases import Mixed, judged_case
 from kerfwise.tests.agreement.engines import ENGINES, IMPOSSIBLE, UNPROVEN, Answer
 from kerfwise.tests.agreement.orders import ORDER_RULES, order_disagreements
+from kerfwise.tests.agreement.stretch_nests import stretch_agreement
 from kerfwise.tests.agreement.trial import Trial
 from kerfwise.tests.metal.findings import Kind
 from kerfwise.tests.metal.plant import plant, tabs_of
@@ -65,8 +65,11 @@ class Agreement:
     has: tuple[str, ...] = ()
 
 
-def agreement(seed: int, kind: KindOfNest = "plain") -> Agreement:
+def agreement(seed: int, kind: Mixed = "plain") -> Agreement:
     """Everything compared on the nest of a seed, of a kind."""
+    if kind == "stretches":
+        has, proved, differ = stretch_agreement(seed)
+        return Agreement("solved" if proved else "unproven", proved, False, 0, differ, (has,))
     case = judged_case(seed, kind)
     return replace(_agreement(case), has=tuple(_techniques(case)))
 

@@ -47,6 +47,8 @@ SCRAP_LAST = "scrap-last"
 """The rule that is always hard where there are scrap lines: without it the check fails for loose metal."""
 Kind = Literal["plain", "slits", "options", "links", "scrap", "common"]
 """What the nests of a run have besides tabs, and what is drawn for them."""
+Mixed = Kind | Literal["stretches"]
+"""The same, or ways along stretches, and bevels: see `stretch_nests`."""
 
 
 NEXT = {
@@ -105,12 +107,13 @@ def judged_case(seed: int, kind: Kind = "plain") -> Case:
             return _with_slits_or_none(seed, kind == "slits")
 
 
-def kind_of(seed: int) -> Kind:
+def kind_of(seed: int) -> Mixed:
     """What is tried with a seed where everything is to be in the mixture: of eight nests two each with links and scrap.
 
-    One has common edges. Eight has no divisor in common with 3 and 5, by which seeds decide other things.
+    One has common edges, one stretches or bevels. Eight has no divisor in common with 3 and 5, by which seeds decide
+    other things.
     """
-    kinds: Sequence[Kind] = ("plain", "links", "plain", "scrap", "common", "links", "plain", "scrap")
+    kinds: Sequence[Mixed] = ("plain", "links", "plain", "scrap", "common", "links", "stretches", "scrap")
     return kinds[seed % 8]
 
 
