@@ -20,13 +20,12 @@ that no order, no entry and no wait can be expected to reach, except by chance w
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from kerfwise.apps.distortion.cutting import Moved, cut_sheet
+from kerfwise.apps.distortion.cutting import Moved, cell_mm, cut_sheet
 from kerfwise.apps.distortion.part_errors import PartError, errors_of
 from kerfwise.benchmarks.distortion_plans import Planned, planned
 from kerfwise.benchmarks.distortion_rules import PROCESSES
@@ -82,8 +81,7 @@ class Nested:
 
     def moved(self, path: TimedPath, yields: bool = True) -> Moved:
         """A path, simulated on `CELLS` cells."""
-        x0, y0, x1, y1 = self.nest.sheet.bounds
-        how = replace(self._given.orders.how, grid_mm=math.sqrt((x1 - x0) * (y1 - y0) / CELLS), yields=yields)
+        how = replace(self._given.orders.how, grid_mm=cell_mm(self.nest, CELLS), yields=yields)
         return cut_sheet(self.nest, path, self._given.profile.heat, how)
 
     def mean(self, path: TimedPath, yields: bool = True) -> float:

@@ -19,7 +19,7 @@ from scipy.sparse import csc_matrix
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.heat import TimedPath
-from kerfwise.rules.profile.plant_sections import Heat
+from kerfwise.rules.profile.plant_sections import Heat, Material
 
 from .elasticity import Elasticity, bodies, shape_weights
 from .mesh import Mesh, Samples, make_mesh, sample_path
@@ -43,6 +43,17 @@ class Cutting:
     kerf_mm: float
     thickness_mm: float
     yields: bool = True
+
+
+def cutting_of(material: Material, grid_mm: float, yields: bool = True) -> Cutting:
+    """How a sheet of a profile's material is simulated on cells so wide."""
+    return Cutting(grid_mm, max(material.kerf_mm, 0.1), material.thickness_mm, yields)
+
+
+def cell_mm(nest: Nest, cells: int) -> float:
+    """How wide cells are of which so many make a nest's sheet, mm."""
+    x0, y0, x1, y1 = nest.sheet.bounds
+    return float(np.sqrt((x1 - x0) * (y1 - y0) / cells))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -106,14 +117,21 @@ def _cut(nest: Nest, path: TimedPath, heat: Heat, how: Cutting, follow: Followed
     metal = metal_of(heat.material)
     mesh = make_mesh(nest, path, how.grid_mm, how.kerf_mm)
     elastic = Elasticity(mesh, metal.elastic(how.thickness_mm))
-    queries = _asked(nest, path, how)
-    piece = _pieces(nest, mesh, queries)
+    asked = _asked(nest, path, how)
+    contour, at_xy = asked[:, 0].astype(np.int64), asked[:, 1:3]
+    piece = mesh.find(at_xy, np.array(nest.owners, dtype=np.int64)[contour])  # of the contour's own part
     there = piece >= 0
-    queries, piece = queries.at(there), piece[there]
-    weights = shape_weights(mesh.local(piece, queries.xy))
+    contour, at_xy, at_s, length_mm, piece = (
+        contour[there],
+        at_xy[there],
+        asked[there, 3],
+        asked[there, 4],
+        piece[there],
+    )
+    weights = shape_weights(mesh.local(piece, at_xy))
     bands = _Bands(mesh, elastic, path, heat, how)
     warmth = Warmth(nest, path, heat, how.thickness_mm, mesh)
-    times = queries.at_s if follow is None else np.concatenate([queries.at_s, follow.at_s])
+    times = at_s if follow is None else np.concatenate([at_s, follow.at_s])
     order = np.argsort(times, kind="stable")
     hot = np.zeros((len(piece), 2))
     spots = None if follow is None else _Spots(mesh, follow)
@@ -124,7 +142,7 @@ def _cut(nest: Nest, path: TimedPath, heat: Heat, how: Cutting, follow: Followed
         elif spots is not None:
             spots.take(number - len(piece), moved)
     cold = _cold(mesh, elastic, bands, piece, weights) if how.yields else np.zeros_like(hot)
-    return Moved(queries.contour, queries.xy, cold - hot, queries.at_s, queries.length_mm, cold)
+    return Moved(contour, at_xy, cold - hot, at_s, length_mm, cold)
 
 
 def _states(elastic: Elasticity, path: TimedPath, bands: _Bands, warmth: Warmth, at_s: Floats) -> Iterator[Floats]:
@@ -173,19 +191,11 @@ class _Spots:
 # Where it is asked how far the metal has moved: along the contours, as the torch passes.
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Asked:
-    contour: Ints
-    xy: Floats
-    at_s: Floats
-    length_mm: Floats
+def _asked(nest: Nest, path: TimedPath, how: Cutting) -> Floats:
+    """Points of contours at the time the torch first passes them, evenly along each.
 
-    def at(self, which: Bools) -> _Asked:
-        return _Asked(self.contour[which], self.xy[which], self.at_s[which], self.length_mm[which])
-
-
-def _asked(nest: Nest, path: TimedPath, how: Cutting) -> _Asked:
-    """Points of contours at the time the torch first passes them, evenly along each."""
+    Rows (k, 5) in order of time: number of the contour, x and y, when, and the length that the point stands for.
+    """
     shaping = [k for k, contour in enumerate(nest.contours) if contour.shapes_part]
     lines = [nest.contours[k].line for k in shaping]
     fine = sample_path(path, 2.0)
@@ -198,13 +208,11 @@ def _asked(nest: Nest, path: TimedPath, how: Cutting) -> _Asked:
         run = np.cumsum(fine.length_mm[sample[mine]])
         for k, length_mm in _evenly(run, lines[number].length, lines[number].is_closed):
             rows.append((number, float(along[mine[k]]), float(fine.at_s[sample[mine[k]]]), length_mm))
-    rows.sort(key=lambda row: row[2])
-    numbers = np.array([row[0] for row in rows], dtype=np.int64)
-    at = shapely.line_interpolate_point(np.array(lines, dtype=object)[numbers], [row[1] for row in rows])
-    return _Asked(
-        np.array(shaping, dtype=np.int64)[numbers], shapely.get_coordinates(at).reshape(-1, 2),
-        np.array([row[2] for row in rows]), np.array([row[3] for row in rows]),
-    )  # fmt: skip
+    found = np.array(sorted(rows, key=lambda row: row[2])).reshape(-1, 4)
+    numbers = found[:, 0].astype(np.int64)
+    at = shapely.line_interpolate_point(np.array(lines, dtype=object)[numbers], found[:, 1])
+    xy = shapely.get_coordinates(at).reshape(-1, 2)
+    return np.column_stack([np.array(shaping, dtype=np.int64)[numbers], xy, found[:, 2:]])
 
 
 def _evenly(run_mm: Floats, length_mm: float, closed: bool) -> Iterator[tuple[int, float]]:
@@ -218,13 +226,6 @@ def _evenly(run_mm: Floats, length_mm: float, closed: bool) -> Iterator[tuple[in
     at = np.searchsorted(run_mm, middles)
     for k in np.unique(at[at < len(run_mm)]):
         yield int(k), length_mm / count
-
-
-def _pieces(nest: Nest, mesh: Mesh, queries: _Asked) -> Ints:
-    """The piece of its own part at each of these points; -1 where there is none."""
-    number = {part.id: k for k, part in enumerate(nest.parts)}
-    own = np.array([number[contour.part] if contour.part else -1 for contour in nest.contours], dtype=np.int64)
-    return mesh.find(queries.xy, own[queries.contour])
 
 
 # The program in batches, and what of the sheet each has to do with.

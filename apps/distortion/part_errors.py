@@ -54,8 +54,7 @@ def fit_rigid(xy: Floats, off: Floats, weight: Floats) -> Floats:
 
 def errors_of(nest: Nest, moved: Moved) -> tuple[PartError, ...]:
     """Every part of a nest, in its order."""
-    number = {part.id: k for k, part in enumerate(nest.parts)}
-    own = np.array([number.get(contour.part, -1) for contour in nest.contours], dtype=np.int64)[moved.contour]
+    own = np.array(nest.owners, dtype=np.int64)[moved.contour]
     return tuple(_error(part.id, moved, np.flatnonzero(own == k)) for k, part in enumerate(nest.parts))
 
 

@@ -27,7 +27,7 @@ from kerfwise.models.physics.heat.simulate import expect_short
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.plant_sections import Heat
 
-from .cutting import Cutting, Followed, cut_sheet
+from .cutting import Cutting, Followed, cell_mm, cut_sheet, cutting_of
 from .part_errors import PartError, errors_of
 from .picture import draw_parts, exaggeration, off_along
 from .tolerances import Beyond, beyond, kept_or_not, tolerances_of
@@ -177,9 +177,7 @@ def distort_made(
         If the file cannot be read or is one of another nest, the plan states no times, the grid does not fit the sheet,
         or nothing is known of the material's strength.
     """
-    metal_of(inputs.profile.heat.material)
-    expect_one_torch(inputs.profile, "the simulation of distortion", plan if isinstance(plan, Plan) else None)
-    return distort_path(inputs, path_of_made(plan, inputs, tell, trusted, along_contours=True), grid_mm, yields)
+    return distort_path(inputs, _path_of(inputs, plan, tell, trusted), grid_mm, yields)
 
 
 def distort_old(job: OldJob, grid_mm: float | None = None, yields: bool = True) -> Distortion:
@@ -199,16 +197,18 @@ def distort_path(inputs: Inputs, path: TimedPath, grid_mm: float | None = None, 
 
 def movement_of(inputs: Inputs, plan: Plan, frames: int, points: int) -> dict[str, Any]:
     """How the sheet moves while a plan is cut, as `movement` tells it; InputError as from `distort_made`."""
-    metal_of(inputs.profile.heat.material)
-    expect_one_torch(inputs.profile, "the simulation of distortion", plan)
-    path = path_of_made(plan, inputs, silent, None, along_contours=True)
-    expect_short(path)
+    path = _path_of(inputs, plan, silent, None)
     return movement(inputs.nest, path, inputs.profile.heat, _how(inputs, None, True), frames, points)
 
 
+def _path_of(inputs: Inputs, plan: Plan | str | Path, tell: Tell, trusted: Trusted | None) -> TimedPath:
+    metal_of(inputs.profile.heat.material)
+    expect_one_torch(inputs.profile, "the simulation of distortion", plan if isinstance(plan, Plan) else None)
+    return path_of_made(plan, inputs, tell, trusted, along_contours=True)
+
+
 def _how(inputs: Inputs, grid_mm: float | None, yields: bool) -> Cutting:
-    material = inputs.profile.material
-    return Cutting(_grid(inputs.nest, grid_mm), max(material.kerf_mm, 0.1), material.thickness_mm, yields)
+    return cutting_of(inputs.profile.material, _grid(inputs.nest, grid_mm), yields)
 
 
 def _grid(nest: Nest, grid_mm: float | None) -> float:
@@ -216,7 +216,7 @@ def _grid(nest: Nest, grid_mm: float | None) -> float:
     x0, y0, x1, y1 = nest.sheet.bounds
     area = (x1 - x0) * (y1 - y0)
     if grid_mm is None:
-        return max(FINEST_MM, math.sqrt(area / CELLS))
+        return max(FINEST_MM, cell_mm(nest, CELLS))
     if area / grid_mm**2 > MOST_CELLS:
         raise InputError(
             f"--grid: {grid_mm:g} mm makes {area / grid_mm**2:.0f} cells of this sheet, and {MOST_CELLS} is the most: "
@@ -312,12 +312,11 @@ def movement(
 
 
 def _lines(nest: Nest, points: int) -> list[_Line]:
-    number = {part.id: k for k, part in enumerate(nest.parts)}
     rings = [nest.sheet.polygon.exterior, *nest.sheet.polygon.interiors]
     found = [_Line("", "sheet", _points(ring, points), -1) for ring in rings]
-    for contour in nest.contours:
+    for contour, part in zip(nest.contours, nest.owners, strict=True):
         if contour.shapes_part:
-            found.append(_Line(contour.id, contour.kind, _points(contour.line, points), number[contour.part]))
+            found.append(_Line(contour.id, contour.kind, _points(contour.line, points), part))
     return found
 
 

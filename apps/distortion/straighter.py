@@ -30,7 +30,7 @@ from kerfwise.pipeline import OrdersOf
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import Stated
 
-from .cutting import Cutting, cut_sheet
+from .cutting import cell_mm, cut_sheet, cutting_of
 from .part_errors import errors_of
 from .tolerances import tolerances_of
 from .yielding import metal_of
@@ -79,11 +79,8 @@ class StraighterOrders:
         self._nest, self._heat = nest, profile.heat
         self._problem = make_problem(facts, stated.statements, home, feeds)
         self._facts, self._paths = facts, RoutePaths(facts, profile.material.kerf_mm, feeds, home)
-        x0, y0, x1, y1 = nest.sheet.bounds
-        grid_mm = math.sqrt((x1 - x0) * (y1 - y0) / CELLS)
-        self.how = Cutting(grid_mm, max(profile.material.kerf_mm, 0.1), profile.material.thickness_mm)
-        number = {part.id: k for k, part in enumerate(nest.parts)}
-        self._part = [number.get(contour.part, -1) for contour in nest.contours]
+        self.how = cutting_of(profile.material, cell_mm(nest, CELLS))
+        self._part = nest.owners
         self._candidates: list[list[int]] = [[] for _ in nest.contours]
         for candidate, site in enumerate(self._problem.candidate_site.tolist()):
             if site >= 0:

@@ -50,12 +50,10 @@ def command(
     when all is cold, the best rigid fit of the part taken off. Without NEST, derive the parts and holes from the
     program's burns.
     """
-    if output and Path(output).suffix.lower() != ".svg":
-        kind = Path(output).suffix or output
-        raise InputError(f"cannot draw the parts as {kind!r}: give a name ending in .svg", file=output)
-    if animate and Path(animate).suffix.lower() != ".html":
-        kind = Path(animate).suffix or animate
-        raise InputError(f"cannot animate the sheet as {kind!r}: give a name ending in .html", file=animate)
+    for name, suffix, what in ((output, ".svg", "draw the parts"), (animate, ".html", "animate the sheet")):
+        if name and Path(name).suffix.lower() != suffix:
+            kind = Path(name).suffix or name
+            raise InputError(f"cannot {what} as {kind!r}: give a name ending in {suffix}", file=name)
     from kerfwise.postproc.output_files import expect_folders, write_files
 
     from .predict import distort_made, distort_old

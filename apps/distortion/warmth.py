@@ -69,20 +69,17 @@ def _readers(mesh: Mesh, grid: Grid) -> tuple[csr_matrix, csr_matrix]:
     i, j = np.divmod(point, grid.shape[1])
     xy = np.column_stack([grid.x0_mm + i * grid.step_mm, grid.y0_mm + j * grid.step_mm])
     at = mesh.local(piece, xy)
-    n = len(mesh.cell)
+    n, size = len(mesh.cell), grid.shape[0] * grid.shape[1]
+    own = csr_matrix((np.ones(len(piece)), (piece, np.arange(len(piece)))), shape=(n, len(piece)))
     count = np.bincount(piece, minlength=n)
     some = np.maximum(count, 1)
-    middle = np.column_stack([np.bincount(piece, column, n) for column in at.T]) / some[:, None]
+    middle = own @ at / some[:, None]
     off = at - middle[piece]
-    spread = np.empty((n, 2, 2))
-    for a in (0, 1):
-        for b in (0, 1):
-            spread[:, a, b] = np.bincount(piece, off[:, a] * off[:, b], n)
+    spread = (own @ (off[:, :, None] * off[:, None, :]).reshape(-1, 4)).reshape(n, 2, 2)
     inverse = np.linalg.pinv(spread, rcond=0.02, hermitian=True)
     slopes = np.einsum("kab,kb->ka", inverse[piece], off)
     centre = mesh.moments[:, 1:3] / mesh.moments[:, :1] - middle
     value = 1.0 / some[piece] + (centre[piece] * slopes).sum(axis=1)
-    size = grid.shape[0] * grid.shape[1]
     read = csr_matrix((value, (piece, point)), shape=(n, size))
     rows = np.concatenate([2 * piece, 2 * piece + 1])
     slope = csr_matrix((slopes.T.ravel(), (rows, np.concatenate([point, point]))), shape=(2 * n, size))
