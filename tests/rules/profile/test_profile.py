@@ -175,7 +175,7 @@ def test_bare_profile_gives_the_defaults_of_the_encoder() -> None:
     assert profile.lead_options() == replace(
         LeadOptions(), pierce_clearance_mm=1.5, holes=HoleLimits(least_mm=6.0, room_mm=3.0)
     )
-    assert profile.fact_options() == FactOptions()
+    assert replace(profile.fact_options(), columns=()) == FactOptions(), "rules declare columns of their own"
     assert profile.read_options() == ReadOptions(kerf_mm=profile.material.kerf_mm)
 
 
