@@ -34,7 +34,7 @@ def _differ(at: str, old: Any, new: Any) -> Iterator[str]:
 
 
 def _mappings(at: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[str]:
-    if at.split(" ")[-1] == "rules":
+    if at.split(" ")[-1] == "rules" and all(isinstance(rules, list) for rules in [*old.values(), *new.values()]):
         old, new = _by_rule(old), _by_rule(new)
     for key in old:
         here = f"{at} {key}".strip()

@@ -60,6 +60,13 @@ def test_a_verdict_that_flipped(bridges: dict[str, Any]) -> None:
     assert line.endswith("verdict rules level-ahead: hard holds → hard broken 1: A.hole1")
 
 
+def test_what_compare_says_of_rules_that_changed() -> None:
+    said = changes(
+        {"steps": [{"run": "compare", "rules": {"both hold": 20}}]}, {"steps": [{"run": "compare", "rules": {}}]}
+    )
+    assert said == ["`compare`: rules both hold: is not there any more, was 20"]
+
+
 def test_figures_times_and_contours(bridges: dict[str, Any]) -> None:
     now = copy.deepcopy(bridges)
     plan_of(now)["totals"]["idle_mm"] += 1.5
