@@ -136,10 +136,7 @@ def table(nests: int, rows: Sequence[Measured]) -> str:
 def rows_of(nests: int, ways: Sequence[str], folder: Path) -> list[Measured]:
     """Every way, in a folder that may hold what was measured before.
 
-    Raises
-    ------
-    ValueError
-        If the folder is of another number of nests.
+    Raises ValueError if the folder is of another number of nests.
     """
     folder.mkdir(parents=True, exist_ok=True)
     given, whole = folder / "nests", folder / "warm.txt"

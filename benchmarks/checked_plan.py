@@ -11,10 +11,7 @@ from kerfwise.rules.profile.profile import Profile
 def checked_plan(name: str, nest: Nest, profile: Profile, work: float, and_zones: bool = False) -> VerifiedPlan:
     """Plan a nest with so much work, and judge the plan and its program.
 
-    Raises
-    ------
-    SystemExit
-        If the program does not pass the check; `name` is what the message begins with.
+    Raises SystemExit if the program does not pass the check; `name` is what the message begins with.
     """
     asked = make_request(facts_of(nest, profile), profile)
     made = solve_and_verify(asked, profile, options_for(nest, profile, work=work), move_zones=and_zones)

@@ -36,10 +36,7 @@ def rows_of_plates(rows: int, columns: int) -> Nest:
 def plan_s(rows: int, columns: int, count: int, work: float) -> tuple[float, str]:
     """How long the program takes, s, and what is to be told of it beside that.
 
-    Raises
-    ------
-    SystemExit
-        If the program does not pass the check.
+    Raises SystemExit if the program does not pass the check.
     """
     sheet, profile = rows_of_plates(rows, columns), load_profile()
     torches = Torches(count, rows // count * (HIGH_MM + WEB_MM)) if count > 1 else Torches()

@@ -146,12 +146,8 @@ def bridge_problem(bridge: Bridge, parts: Mapping[str, Part], earlier: Sequence[
     """The bridge, its start in the first of its parts.
 
     `bridge`: one whose parts are among these. `parts`: parts that are sound, by id, as they are drawn. `earlier`: the
-    bridges before it. `sheet`: a sheet that is sound.
-
-    Raises
-    ------
-    InputError
-        With the line, if it does not reach both parts, or meets anything else; and for what else it cannot be.
+    bridges before it. `sheet`: a sheet that is sound. Raises InputError with the line, if it does not reach both parts,
+    or meets anything else; and for what else it cannot be.
     """
     for name in bridge.parts:
         if name not in parts:

@@ -125,10 +125,7 @@ def is_instance(path: str | Path) -> bool:
 def read_instance(path: str | Path) -> Instance:
     """Read `.pcglns` or `.sop`, also with `.gz` behind it.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or is not what its name says; with the section at fault.
+    Raises InputError if the file cannot be read, or is not what its name says; with the section at fault.
     """
     path = Path(path)
     kind = _kind(path)
@@ -349,13 +346,7 @@ class Answer:
 
 
 def solve_instance(instance: Instance, options: SolveOptions, progress: Progress | None = None) -> Answer:
-    """The best tour found within the limits.
-
-    Raises
-    ------
-    InputError
-        If the costs of the instance could overflow.
-    """
+    """The best tour found within the limits. Raises InputError if the costs of the instance could overflow."""
     if sum(dearest_um(instance.problem).values()) > MOST_UM:
         raise InputError(
             f"a tour could cost over {MOST_UM:,}, too much to be counted exactly: make the weights smaller"

@@ -105,10 +105,7 @@ class Lock:
 def check_locks(locks: tuple[Lock, ...], nest: Nest) -> None:
     """Make sure that the nest has what the locks name.
 
-    Raises
-    ------
-    InputError
-        If a lock names a contour, a part or a position that the nest does not have.
+    Raises InputError if a lock names a contour, a part or a position that the nest does not have.
     """
     for lock in locks:
         for name in (lock.contour, lock.before):

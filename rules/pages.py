@@ -83,10 +83,7 @@ def _from_where(rule: Rule[Any]) -> str:
 def rule_page(id: str, known: Mapping[str, Rule[Any]] = RULES) -> str:
     """The page of one rule, in Markdown; `known` are the rules that there are.
 
-    Raises
-    ------
-    InputError
-        If there is no rule of that id, with the nearest.
+    Raises InputError if there is no rule of that id, with the nearest.
 
     Examples
     --------
@@ -199,10 +196,8 @@ def is_checkout(root: Path) -> bool:
 def new_rule(name: str, root: Path) -> tuple[Path, ...]:
     """Write the files of a rule called `name` into the checkout at `root`, and say which they are.
 
-    Raises
-    ------
-    InputError
-        If the name is not one, is taken, `root` is no checkout of kerfwise, or one of the files is there already.
+    Raises InputError if the name is not one, is taken, `root` is no checkout of kerfwise, or one of the files is there
+    already.
     """
     _check_name(name)
     module = name.replace("-", "_")
@@ -242,10 +237,7 @@ def _add_package(pyproject: Path, module: str) -> None:
 def new_outside_rule(name: str, language: str, folder: Path) -> Path:
     """Write a rule of a plant's own called `name`, with its cases, as one file in a folder; the file.
 
-    Raises
-    ------
-    InputError
-        If the name is not one or is taken, the file is there already, or nothing can be written there.
+    Raises InputError if the name is not one or is taken, the file is there already, or nothing can be written there.
     """
     _check_name(name)
     template, ending = OF_A_PLANT[language]
@@ -265,13 +257,9 @@ def copied_rule(name: str, like: str, folder: Path) -> Path:
     """Write the MiniZinc text of a shipped rule as the file of a rule `name` in a folder; the file.
 
     Under the shipped rule's own name it takes its place, and reads what kerfwise gives that rule. Under another it is a
-    rule beside it, where it needs no more than the facts.
-
-    Raises
-    ------
-    InputError
-        If no shipped rule is called so (the nearest is named), it has no such text, takes no file in its place, or its
-        text reads what only that rule is given; or the file is there already, or cannot be written.
+    rule beside it, where it needs no more than the facts. Raises InputError if no shipped rule is called so (the
+    nearest is named), it has no such text, takes no file in its place, or its text reads what only that rule is given;
+    or the file is there already, or cannot be written.
     """
     if like not in RULES:
         raise InputError(unknown("shipped rule", like, RULES))

@@ -16,10 +16,7 @@ from .rule import Rule
 def collect(modules: Iterable[ModuleType]) -> dict[str, Rule[Any]]:
     """Rule id → rule, for every concrete rule class that these modules define, sorted by id.
 
-    Raises
-    ------
-    ValueError
-        If two rules claim the same id: a mistake of the rule's author.
+    Raises ValueError if two rules claim the same id: a mistake of the rule's author.
     """
     rules: dict[str, Rule[Any]] = {}
     for module in modules:

@@ -34,11 +34,7 @@ def cases_of(rule: str, known: Mapping[str, Rule[Any]] = RULES) -> tuple[Case, .
     """The cases of a rule, tiny nests with cuts and what is wrong with them; `known` are the rules that there are.
 
     Those of a rule from outside are `CASES` in its own module: a tuple, or where there are several rules, by rule id.
-
-    Raises
-    ------
-    InputError
-        If there is no such rule, or the rule has no cases.
+    Raises InputError if there is no such rule, or the rule has no cases.
 
     Examples
     --------
@@ -163,10 +159,7 @@ BEGINS = re.compile(r"^%\s*cases:\s*$")
 def model_cases(rule: Rule[Any], path: Path) -> tuple[Case, ...]:
     """The cases in a model file; those called wrong are of kind `fails`, with no violations said.
 
-    Raises
-    ------
-    InputError
-        If there are none, or something in them cannot be read: with file, line and column.
+    Raises InputError if there are none, or something in them cannot be read: with file, line and column.
     """
     text, problems = _commented(path), Problems(str(path))
     root = compose(text, str(path)) if text.strip() else None

@@ -370,10 +370,7 @@ FIELD_OF: Mapping[type, str] = dict(zip(get_args(Statement), (f.name for f in fi
 def by_kind(statements: Iterable[Statement]) -> Kinds:
     """Sort statements by kind.
 
-    Raises
-    ------
-    AssertionError
-        If one is of a kind that is not in `Statement`; the message shows it.
+    Raises AssertionError if one is of a kind that is not in `Statement`; the message shows it.
 
     Examples
     --------

@@ -89,12 +89,8 @@ class Followed:
 def cut_sheet(nest: Nest, path: TimedPath, heat: Heat, how: Cutting, follow: Followed | None = None) -> Moved:
     """Simulate a whole program.
 
-    Where points are to be followed, `follow.moved` is filled in.
-
-    Raises
-    ------
-    InputError
-        If nothing is known of the metal's strength.
+    Where points are to be followed, `follow.moved` is filled in. Raises InputError if nothing is known of the metal's
+    strength.
     """
     with _one_thread():
         return _cut(nest, path, heat, how, follow)

@@ -251,12 +251,8 @@ class _Line:
 def animate(nest: Nest, path: TimedPath, heat: Heat, how: Cutting, title: str) -> bytes:
     """An HTML page: the sheet, its parts and the torch along the program's time, then the parts as they will be.
 
-    Where metal is that has moved is drawn `exaggeration` times as far off. What is cut free stays where it was.
-
-    Raises
-    ------
-    InputError
-        If nothing is known of the metal's strength.
+    Where metal is that has moved is drawn `exaggeration` times as far off. What is cut free stays where it was. Raises
+    InputError if nothing is known of the metal's strength.
     """
     page = (resources.files(__package__) / "animation.html").read_text(encoding="utf-8")
     text = json.dumps(movement(nest, path, heat, how), separators=(",", ":")).replace("<", "\\u003c")
@@ -269,12 +265,8 @@ def movement(
     """Where metal is at each of some `frames`, as JSON can hold it; each line has so many `points` at the most.
 
     `lines` are the sheet's edge and the contours of parts: `xy` as drawn, mm, `moved` in each frame and how far `cold`
-    ones are off, both in µm, `off` what the part is off at its worst place, mm.
-
-    Raises
-    ------
-    InputError
-        If nothing is known of the metal's strength.
+    ones are off, both in µm, `off` what the part is off at its worst place, mm. Raises InputError if nothing is known
+    of the metal's strength.
     """
     lines = list(_lines(nest, points))
     xy = np.concatenate([line.xy for line in lines])

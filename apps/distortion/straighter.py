@@ -104,10 +104,7 @@ class StraighterOrders:
     ) -> BestSimulated:  # fmt: skip
         """The best route found where a mm of the mean error costs as much as `price_mm` of idle travel.
 
-        Raises
-        ------
-        RulesConflict
-            If there is no plan to begin with.
+        Raises RulesConflict if there is no plan to begin with.
         """
         chance, judged = random.Random(seed), dict[Route, float | None]()
         at = self._simulated(tuple(map(int, planner(0, ()))))
@@ -219,10 +216,7 @@ class StraighterOrders:
 def straighter_for(profile: Profile) -> OrdersOf | None:
     """What finds straighter orders, where the profile has a price on distortion.
 
-    Raises
-    ------
-    InputError
-        If it has one on overheats as well, several torches, or a material of unknown strength.
+    Raises InputError if it has one on overheats as well, several torches, or a material of unknown strength.
     """
     if not profile.objective.distortion:
         return None
@@ -238,10 +232,8 @@ def straighter_for(profile: Profile) -> OrdersOf | None:
 def orders_for(inputs: Inputs) -> OrdersOf | None:
     """What finds straighter orders, if there is a price on distortion; for a nest whose parts' errors are asked for.
 
-    Raises
-    ------
-    InputError
-        If they cannot be simulated: of several torches, of an unknown metal, or with a tolerance that is no length.
+    Raises InputError if they cannot be simulated: of several torches, of an unknown metal, or with a tolerance that is
+    no length.
     """
     tolerances_of(inputs.nest, inputs.profile)
     expect_one_torch(inputs.profile, "the simulation of distortion")

@@ -39,10 +39,7 @@ class Beyond:
 def tolerances_of(nest: Nest, profile: ProfileValues) -> dict[str, float]:
     """Part → how far it may be off, mm: its key `tolerance` in the nest, else that of the profile; others are left out.
 
-    Raises
-    ------
-    InputError
-        If a part's key is no length.
+    Raises InputError if a part's key is no length.
     """
     common = profile.distortion.tolerance_mm
     found: dict[str, float] = {}

@@ -59,13 +59,7 @@ METALS: Mapping[str, Metal] = _read()
 
 
 def metal_of(material: str) -> Metal:
-    """The metal of that name.
-
-    Raises
-    ------
-    InputError
-        If its strength is not known.
-    """
+    """The metal of that name. Raises InputError if its strength is not known."""
     if material not in METALS:
         raise InputError(
             f"heat.material: {material} has no modulus, expansion and yield stress here, so that nobody can tell how "

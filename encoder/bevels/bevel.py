@@ -47,12 +47,8 @@ class BevelPass:
 class Bevel:
     """A bevel of edges: the angle is from the vertical, the land the square rest of the edge, mm.
 
-    `side` is the face that V and Y open to; X and K open to both, and have none.
-
-    Raises
-    ------
-    InputError
-        For an angle, a land or a side that does not go with the kind.
+    `side` is the face that V and Y open to; X and K open to both, and have none. Raises InputError for an angle, a land
+    or a side that does not go with the kind.
 
     Examples
     --------
@@ -90,10 +86,7 @@ class Bevel:
     def parse(text: str) -> Bevel:
         """A bevel as it is written in one line.
 
-        Raises
-        ------
-        InputError
-            With what was expected.
+        Raises InputError with what was expected.
 
         Examples
         --------
@@ -138,13 +131,7 @@ class Bevel:
         return replace(self, side="bottom" if self.side == "top" else "top")
 
     def expect_fit(self, thickness_mm: float) -> None:
-        """Refuse a land that the sheet has no room for.
-
-        Raises
-        ------
-        InputError
-            With both lengths.
-        """
+        """Refuse a land that the sheet has no room for. Raises InputError with both lengths."""
         if self.land_mm >= thickness_mm:
             raise InputError(
                 f"its land, {self.land_mm:g} mm, is no less than the sheet's thickness, {thickness_mm:g} mm"

@@ -51,10 +51,7 @@ class Block:
     def expect_fit(self, drawn: Contour) -> None:
         """Refuse a contour that a block cannot go round: its torches stand apart along straight edges.
 
-        Raises
-        ------
-        InputError
-            With the place, and what to do.
+        Raises InputError with the place, and what to do.
         """
         if drawn.edge_bevels:
             raise InputError("a block of torches cuts whole contours: take a head that tilts for single edges")

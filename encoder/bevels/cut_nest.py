@@ -107,11 +107,7 @@ def with_bevels(nest: Nest, options: BevelOptions) -> Nest:
 
     A tilted torch's cut is wider, measured level. The nest that comes out keeps the one that went in as `drawn`; where
     no contour has a bevel it is that one. Contours are cut more slowly where the way through the metal is longer.
-
-    Raises
-    ------
-    InputError
-        For a bevel that the sheet has no room for, with its contour.
+    Raises InputError for a bevel that the sheet has no room for, with its contour.
     """
     if not any(True for _ in bevelled(nest)):
         return nest

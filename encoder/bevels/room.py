@@ -125,10 +125,7 @@ def _named(drawn: Contour) -> str:
 def tilted_paths(drawn: Contour, cut: Cut, loops: Sequence[Loops], options: BevelOptions) -> tuple[TiltedPath, ...]:
     """The passes of a contour with a bevel, in order, those of the same cut.
 
-    Raises
-    ------
-    InputError
-        If the torch cannot go so, with why.
+    Raises InputError if the torch cannot go so, with why.
     """
     main_mm, rounds = options.main_half_mm(drawn), options.rounds(drawn, cut.direction == "ccw")
     try:
@@ -205,10 +202,7 @@ def _place(area: shapely.Geometry) -> str:
 def plan_bevels(nest: Nest, options: BevelOptions) -> Bevelling:
     """Which corners of which contours are cut by loops, and that all passes have room on their way round.
 
-    Raises
-    ------
-    InputError
-        With a line for each contour that cannot be cut as it is drawn, and what to do.
+    Raises InputError with a line for each contour that cannot be cut as it is drawn, and what to do.
     """
     metal, found, wrong = _metal_of(nest, options), Bevelling(options), list[str]()
     for drawn in bevelled(nest):
@@ -337,10 +331,7 @@ def kept_candidates(
 ) -> list[int]:
     """The numbers of the candidates that have room for tilted torches: their own, and the loops of others.
 
-    Raises
-    ------
-    InputError
-        For contours of which none is left, each with why.
+    Raises InputError for contours of which none is left, each with why.
     """
     options, metal = bevelling.options, _metal_of(nest, bevelling.options)
     drawn = {contour.id: contour for contour in bevelled(nest)}

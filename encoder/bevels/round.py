@@ -69,10 +69,7 @@ class Round:
     def ring(self) -> Curve:
         """The way of the torch at the root, closed; where edges differ, that of an upright one.
 
-        Raises
-        ------
-        ValueError
-            If the kerf leaves nothing of the contour.
+        Raises ValueError if the kerf leaves nothing of the contour.
         """
         outwards = self.lean.half_mm if self.contour.kind == "outer" else -self.lean.half_mm
         return offset_curve(self.contour.curve, outwards).towards("ccw" if self.ccw else "cw")
@@ -144,10 +141,8 @@ class Round:
 def pass_along(way: Round, cut: Cut, main_half_mm: float) -> TiltedPath:
     """The pass that belongs to a cut, whose leads join the way that is `main_half_mm` off the contour.
 
-    Raises
-    ------
-    ValueError
-        If the kerf leaves nothing of the contour; if the torch would be pierced at a corner, or would run into a loop.
+    Raises ValueError if the kerf leaves nothing of the contour; if the torch would be pierced at a corner, or would run
+    into a loop.
     """
     ring = way.ring
     join = cut.pierce if cut.lead_in is None else _end(cut.lead_in)
@@ -184,12 +179,7 @@ def run_along(way: Round, run_mm: float) -> TiltedPath:
     """The pass along some edges alone, from the waste before the first of them, with where it begins and ends.
 
     At a sharp corner it comes from `run_mm` before and goes on as far; else it begins so far beside the edge, and ends
-    on it.
-
-    Raises
-    ------
-    ValueError
-        If the edges are too short for it.
+    on it. Raises ValueError if the edges are too short for it.
     """
     ring = way.ring
     segments = ring.segments

@@ -38,11 +38,7 @@ def random_order(problem: Problem, seed: int, first_entry: bool = False) -> tupl
     """A lawful route (sites): every step a contour drawn evenly from those that may come next, then one of its sites.
 
     With `first_entry` each contour takes the first site that is lawful then, so that routes differ by order alone.
-
-    Raises
-    ------
-    RulesConflict
-        If no attempt led to the end.
+    Raises RulesConflict if no attempt led to the end.
     """
     chance = random.Random(seed)
     for _ in range(ATTEMPTS):
@@ -69,10 +65,7 @@ def realtime_order(
 ) -> tuple[int, ...]:
     """A lawful route (sites): each time the nearest contour whose metal is cool enough, else the coolest one.
 
-    Raises
-    ------
-    RulesConflict
-        If nothing lawful was left at some step.
+    Raises RulesConflict if nothing lawful was left at some step.
     """
     grid = make_grid(facts.nest, heat.grid_mm)
     sheet = SheetSimulation(grid, heat, thickness_mm)
@@ -130,10 +123,7 @@ def solve_by(
 ) -> Solution:
     """A route by a plain strategy that keeps every hard statement; soft ones are not looked at.
 
-    Raises
-    ------
-    RulesConflict
-        If it finds none.
+    Raises RulesConflict if it finds none.
     """
     prices = by_kind(statements).idle_travel
     bare = tuple(s for s in statements if s in prices or _binds(s))

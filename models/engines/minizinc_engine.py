@@ -49,15 +49,9 @@ def solve_minizinc(
     `stated` tells what was dropped of cycles and what rules without a file ask; `refine` answers a whole order (contour
     numbers) with statements that geometry has now shown to be missing, as in `models.solve`. The limit is wall-clock
     time: `options.time_s`, else as many seconds as `options.work`; `progress` may end it sooner. The status is optimal
-    only where the solver says so; there is no bound otherwise.
-
-    Raises
-    ------
-    InputError
-        If MiniZinc or the solver is not installed, the nest is too large for it, or there is a mistake in one of the
-        plant's own rule files.
-    RulesConflict
-        If no lawful plan exists, or none was found within the limit (the message says which).
+    only where the solver says so; there is no bound otherwise. Raises InputError if MiniZinc or the solver is not
+    installed, the nest is too large for it, or there is a mistake in one of the plant's own rule files; RulesConflict
+    if no lawful plan exists, or none was found within the limit (the message says which).
     """
     started = time.monotonic()
     limit = options.work if options.time_s is None else options.time_s

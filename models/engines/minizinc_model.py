@@ -214,10 +214,7 @@ def _in_words(statements: Sequence[Statement]) -> Iterator[ConditionArray]:
 def conditions(statement: Statement) -> list[str]:
     """Boolean expressions over the words of `sequence.mzn`; a breach of the statement counts once for each false one.
 
-    Raises
-    ------
-    InputError
-        If the statement is of a kind that has no words in MiniZinc.
+    Raises InputError if the statement is of a kind that has no words in MiniZinc.
 
     Examples
     --------
@@ -304,10 +301,7 @@ def _set(contours: Iterable[int]) -> str:
 def data_text(facts: Facts, profile: ActiveRules, stated: Stated, options: SolveOptions, *, clock: bool) -> str:
     """MiniZinc data for `sequence.mzn`, for `clock.mzn` if that is included, and for the rules of the profile.
 
-    Raises
-    ------
-    InputError
-        If a rule counts seconds and `options` have no feeds.
+    Raises InputError if a rule counts seconds and `options` have no feeds.
     """
     home_mm = options.home_mm
     kinds = by_kind(stated.statements)

@@ -57,13 +57,7 @@ def read_plan(path: str | Path) -> Plan:
 
 
 def plan_in(text: str, path: str | Path = "the plan") -> Plan:
-    """The plan that a text is, which stands at `path`.
-
-    Raises
-    ------
-    InputError
-        As `read_plan` does.
-    """
+    """The plan that a text is, which stands at `path`. Raises InputError as `read_plan` does."""
     try:
         data = strict_json(text)  # NaN becomes a text, which the schema refuses in place
     except InputError as error:
@@ -359,11 +353,8 @@ _MOST_TOLD = 12
 def expect_plan_of(plan: Plan, nest: Nest, once: bool = True) -> None:
     """Refuse a plan whose cuts are not of this nest, as it is cut; `once` says that it may cut nothing twice.
 
-    Raises
-    ------
-    InputError
-        If the nest does not have a contour that the plan cuts, or has it as another part or kind, the plan cuts it
-        twice, or enters it where it is not: each with the number of the cut.
+    Raises InputError if the nest does not have a contour that the plan cuts, or has it as another part or kind, the
+    plan cuts it twice, or enters it where it is not: each with the number of the cut.
     """
     wrong = list(islice(_not_of(plan, nest, once), _MOST_TOLD))
     if wrong:
@@ -377,12 +368,7 @@ def expect_plan_of(plan: Plan, nest: Nest, once: bool = True) -> None:
 def expect_named_alike(plan: Plan, nest: Nest) -> None:
     """Refuse a plan that has a contour of this nest as another part or kind, or says something of one that it has not.
 
-    What else is wrong with it is judged.
-
-    Raises
-    ------
-    InputError
-        With the number of the cut, or what the plan says.
+    What else is wrong with it is judged. Raises InputError with the number of the cut, or what the plan says.
     """
     rows = [row for row in enumerate((*plan.already_cut, *plan.cuts), 1) if row[1].cut.contour in nest.index]
     wrong = [text for number, row in rows if (text := _named_otherwise(row, nest, number))]

@@ -52,14 +52,8 @@ def make_problem(
     over where what is new says nothing of candidates, and the moves that were looked at for it need not be looked at
     again where they are the same, and are not where it left them out. `going` is asked now and then, with the share of
     the moves that has been looked at; where it says no a soft rule about moves is left out. For a hard one it can only
-    raise.
-
-    Raises
-    ------
-    RulesConflict
-        If the hard orders form a cycle, or a contour has no candidate left.
-    InputError
-        If costs could overflow, see `check_magnitude`.
+    raise. Raises RulesConflict if the hard orders form a cycle, or a contour has no candidate left; InputError if costs
+    could overflow, see `check_magnitude`.
     """
     kinds = by_kind(statements)
     contour_of = np.repeat(np.arange(facts.n), np.diff(facts.first)).tolist()
@@ -333,11 +327,8 @@ def _dearest_of(problem: Problem, conditions: Sequence[Condition]) -> int:
 def check_magnitude(problem: Problem) -> None:
     """Refuse a problem whose costs, or the weights of whose conditions, could overflow.
 
-    Raises
-    ------
-    InputError
-        If the dearest plan could cost more than `MOST_UM`; names what most of it comes from. If the weights of a
-        condition come to more than `MOST_COUNTED`; names the rule and the contour.
+    Raises InputError if the dearest plan could cost more than `MOST_UM`; names what most of it comes from. If the
+    weights of a condition come to more than `MOST_COUNTED`; names the rule and the contour.
     """
     statements: tuple[Condition | AtLeast, ...] = (*problem.conditions, *problem.general)
     for statement in () if _surely_counted(problem) else statements:

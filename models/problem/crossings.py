@@ -88,12 +88,9 @@ def find_crossings(
     `before` (n, n) is the closed order, `lawful` who may follow whom, `first` the first site of every contour and of
     home; `ends_um`, `pierces_um` (m + 1, 2) include home as their last row.
 
-    `going` is asked now and then, with the share of the moves that has been looked at, whether to go on.
-
-    Raises
-    ------
-    TooManyMoves
-        If there are more than `MOST_MOVES` moves between sites, as on large nests without zones, or `going` says no.
+    `going` is asked now and then, with the share of the moves that has been looked at, whether to go on. Raises
+    TooManyMoves if there are more than `MOST_MOVES` moves between sites, as on large nests without zones, or `going`
+    says no.
     """
     if not statements:
         return Crossings()
@@ -225,12 +222,7 @@ def crossed_areas(
     """For every group of moves: where crossing ones leave and reach, as numbers in the group, and the area crossed.
 
     `late[c, a]` says that area a is of no account to moves that reach contour c. `going` is asked now and then, with
-    the share that is done, whether to go on.
-
-    Raises
-    ------
-    Stopped
-        If it says no.
+    the share that is done, whether to go on. Raises Stopped if it says no.
 
     Examples
     --------

@@ -225,12 +225,8 @@ def look_up(
     """The values for a row of this name, or of these columns; without a choice for the material and the thickness.
 
     With `interpolate` what the row lacks, or all where there is no row of that thickness, lies on the straight line
-    between the next thinner and the next thicker row of the same material, current and gas.
-
-    Raises
-    ------
-    NoRow
-        If there is no such row, or more than one: with the near ones and their lines.
+    between the next thinner and the next thicker row of the same material, current and gas. Raises NoRow if there is no
+    such row, or more than one: with the near ones and their lines.
 
     Examples
     --------
@@ -286,10 +282,7 @@ def _named(chart: Chart, name: str) -> list[ChartRow]:
 def _alike(chart: Chart, wanted: Mapping[str, Value]) -> list[ChartRow]:
     """The rows that have what is asked, whatever their thickness.
 
-    Raises
-    ------
-    NoRow
-        If there are none: with the first column that no row has so.
+    Raises NoRow if there are none: with the first column that no row has so.
     """
     rows: Sequence[ChartRow] = chart.rows
     if not any("thickness" in row.values for row in rows):

@@ -33,10 +33,8 @@ def shipped_charts() -> dict[str, Path]:
 def read_chart(path: str | Path, units: ChartUnits = "mm") -> Chart:
     """Read a chart; `units` are those of QtPlasmaC's files, which do not say theirs.
 
-    Raises
-    ------
-    InputError
-        If it cannot be read, or has a wrong column, unit or value anywhere: with file and line, all mistakes at once.
+    Raises InputError if it cannot be read, or has a wrong column, unit or value anywhere: with file and line, all
+    mistakes at once.
     """
     file = str(path)
     try:
@@ -335,10 +333,7 @@ def cell(column: str, node: yaml.Node) -> Value:
 def text_with_unit(column: str, text: str, unit: str | None) -> str:
     """The text of a cell with its unit: that of the head of its column, or its own.
 
-    Raises
-    ------
-    Unfit
-        If it has none, or two.
+    Raises Unfit if it has none, or two.
     """
     kind, units, text = column_of(column).kind, column_of(column).units, text.strip()
     if isinstance(kind, Text) or not units:
@@ -365,10 +360,7 @@ def node_at(text: str, line: int) -> yaml.ScalarNode:
 def qtplasmac_text(chart: Chart) -> str:
     """The rows of a chart as a material file of QtPlasmaC, in mm; rows without what it needs are left out.
 
-    Raises
-    ------
-    InputError
-        If no row has speed, pierce delay, pierce height and cut height.
+    Raises InputError if no row has speed, pierce delay, pierce height and cut height.
     """
     needed = {column for column, _ in (_READ[key] for key in _NEEDED)}
     whole = [row for row in chart.rows if needed <= row.values.keys()]

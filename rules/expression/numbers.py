@@ -98,10 +98,7 @@ def _folded(const: int, terms: Mapping[Node, int]) -> tuple[int, dict[Node, int]
 def without_word(one: Sum) -> Sum:
     """The same without its word: the cuts between two contours by their positions.
 
-    Raises
-    ------
-    TooMuch
-        For seconds, which no sum over orders holds.
+    Raises TooMuch for seconds, which no sum over orders holds.
     """
     if one.word is None:
         return one
@@ -176,10 +173,7 @@ def _of_choices(one: Sum, fits: Callable[[int], bool]) -> Node | None:
 def function_of(one: Sum, value_of: Callable[[int], int]) -> Sum:
     """What a function makes of the number, by the steps from each value to the next.
 
-    Raises
-    ------
-    TooMuch
-        If the number may have too many values.
+    Raises TooMuch if the number may have too many values.
     """
     if isinstance(one, ChoiceSum):
         return ChoiceSum(0, {node: value_of(one.const + value) for node, value in one.terms.items()}, n=one.n)

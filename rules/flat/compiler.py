@@ -66,10 +66,7 @@ def compiled_within(seconds: float) -> Iterator[None]:
 def minizinc_program() -> str:
     """The MiniZinc that is installed, tried before anything relies on it.
 
-    Raises
-    ------
-    InputError
-        If there is none, or it is too old or broken; the message says how to install it.
+    Raises InputError if there is none, or it is too old or broken; the message says how to install it.
     """
     program = found_program()
     if program is None:
@@ -86,10 +83,7 @@ def printing(name: str, expression: str) -> str:
 def solve_all(text: str, about: Path) -> str:
     """What MiniZinc prints for every solution of MiniZinc text that includes the rule file `about`, by Gecode.
 
-    Raises
-    ------
-    InputError
-        As `compile_model`; also if there is no Gecode.
+    Raises InputError as `compile_model`; also if there is no Gecode.
     """
     program = minizinc_program()
     expect_solving(program, GECODE)
@@ -104,10 +98,8 @@ def solve_all(text: str, about: Path) -> str:
 def compile_model(text: str, about: Path) -> Compiled:
     """Compile MiniZinc text that includes the rule file `about`.
 
-    Raises
-    ------
-    InputError
-        If MiniZinc cannot be used, or there is a mistake in the file (with its line), or it takes too long.
+    Raises InputError if MiniZinc cannot be used, or there is a mistake in the file (with its line), or it takes too
+    long.
     """
     program = minizinc_program()
     with tempfile.TemporaryDirectory(prefix="kerfwise-", ignore_cleanup_errors=True) as folder:
@@ -241,10 +233,7 @@ class FlatZinc:
 def read_flatzinc(text: str) -> FlatZinc:
     """Read a flat model; names of arrays and constants are replaced by what they stand for.
 
-    Raises
-    ------
-    ValueError
-        For a line that is no FlatZinc; MiniZinc writes none.
+    Raises ValueError for a line that is no FlatZinc; MiniZinc writes none.
 
     Examples
     --------

@@ -81,11 +81,8 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
     """Compile the file with data (facts, and the rule's own) of n contours and read what is left.
 
     `contour_of` maps each candidate to its contour, from 0; `others` are further arrays of the file that are wanted.
-
-    Raises
-    ------
-    InputError
-        If MiniZinc is missing, or the file has a mistake or says something that has no meaning for a rule.
+    Raises InputError if MiniZinc is missing, or the file has a mistake or says something that has no meaning for a
+    rule.
     """
     text = _model(file, data, others)
     key = sha256("\0".join([text, *files_read(file).values()]).encode()).hexdigest()
@@ -205,10 +202,7 @@ MOST_BYTES = 200_000_000
 def compiled(file: ModelFile, text: str) -> Compiled:
     """MiniZinc text that includes the rule file, compiled, or what was kept of it.
 
-    Raises
-    ------
-    InputError
-        As `compile_model`; mistakes are not kept.
+    Raises InputError as `compile_model`; mistakes are not kept.
     """
     maker, folder = _maker(minizinc_program()), cache_folder()
     if folder is None:

@@ -105,10 +105,7 @@ class Meaning:
     def elements(self, array: str) -> list[Node]:
         """What each element of an array of bools says.
 
-        Raises
-        ------
-        NotUnderstood, TooMuch
-            If one says something that no statement can hold.
+        Raises NotUnderstood, TooMuch if one says something that no statement can hold.
         """
         return [self._node(value) for value in self._flat.arrays.get(array, [])]
 

@@ -68,10 +68,7 @@ class ModelFile:
 def read_model_file(path: Path) -> ModelFile:
     """Read what a rule's file says of itself; MiniZinc is not asked.
 
-    Raises
-    ------
-    InputError
-        If it cannot be read, or has neither an array `<name>_holds` nor a constraint.
+    Raises InputError if it cannot be read, or has neither an array `<name>_holds` nor a constraint.
     """
     if path.suffix != ".mzn":
         raise InputError("expected a MiniZinc file such as plant_rule.mzn", file=path)

@@ -326,10 +326,7 @@ class ModelRule(Rule[Any]):
 def read_model_rule(path: Path, rule_id: str = "", sentence: str = "") -> ModelRule:
     """The rule in a model file, under another id or with another sentence than its own if given.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read or states nothing; MiniZinc is not asked yet.
+    Raises InputError if the file cannot be read or states nothing; MiniZinc is not asked yet.
     """
     file = read_model_file(Path(path))
     shipped = RULES.get(rule_id or file.name)

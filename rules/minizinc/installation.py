@@ -51,10 +51,7 @@ def unusable(program: str, what: str) -> InputError:
 def found_program() -> str | None:
     """The first `minizinc` on the PATH; None where there is none.
 
-    Raises
-    ------
-    InputError
-        If there is only one that may not be executed.
+    Raises InputError if there is only one that may not be executed.
     """
     program = shutil.which("minizinc")
     if program is None:
@@ -66,13 +63,7 @@ def found_program() -> str | None:
 
 @lru_cache(maxsize=16)
 def version_of(program: str) -> str:
-    """What the program says of its version, in full; asked once.
-
-    Raises
-    ------
-    InputError
-        If it does not answer.
-    """
+    """What the program says of its version, in full; asked once. Raises InputError if it does not answer."""
     return _answer(program, "--version")
 
 
@@ -80,10 +71,7 @@ def version_of(program: str) -> str:
 def expect_usable(program: str) -> None:
     """Ask for the version and the solvers; what answered well once is not asked again.
 
-    Raises
-    ------
-    InputError
-        If it is too old, or answers otherwise than MiniZinc does, or not within `LIMIT_S`.
+    Raises InputError if it is too old, or answers otherwise than MiniZinc does, or not within `LIMIT_S`.
     """
     installed = version_of(program)
     version = re.search(r"version (\d+)\.(\d+)\.(\d+)", installed)
@@ -107,10 +95,7 @@ def expect_usable(program: str) -> None:
 def expect_solving(program: str, solver: str) -> None:
     """Have a solver solve the smallest of models; what answered well once is not asked again.
 
-    Raises
-    ------
-    InputError
-        If it does not, or not within `LIMIT_S`.
+    Raises InputError if it does not, or not within `LIMIT_S`.
     """
     with tempfile.TemporaryDirectory(prefix="kerfwise-", ignore_cleanup_errors=True) as folder:
         model = Path(folder, "smallest.mzn")
@@ -263,13 +248,9 @@ class InstalledSolver:
 def driver() -> Driver:
     """The installed MiniZinc.
 
-    It is asked before the package that drives it is imported, which would wait for its version for ever.
-
-    Raises
-    ------
-    InputError
-        If there is none, an older one than 2.6, or one that does not answer as MiniZinc does; the message says how to
-        install it.
+    It is asked before the package that drives it is imported, which would wait for its version for ever. Raises
+    InputError if there is none, an older one than 2.6, or one that does not answer as MiniZinc does; the message says
+    how to install it.
     """
     if program := found_program():
         expect_usable(program)
@@ -287,10 +268,8 @@ def driver() -> Driver:
 def solver_named(name: str) -> Solver:
     """The solver of that name (`gecode`), full id (`org.gecode.gecode`) or tag (`mip`).
 
-    Raises
-    ------
-    InputError
-        If MiniZinc has no such solver, knows it but not where it is, or it does not solve the smallest of models.
+    Raises InputError if MiniZinc has no such solver, knows it but not where it is, or it does not solve the smallest of
+    models.
     """
     ready = _ready()
     if name not in ready:
@@ -301,13 +280,7 @@ def solver_named(name: str) -> Solver:
 
 
 def installed_solvers() -> tuple[InstalledSolver, ...]:
-    """The solvers that can be used, by name.
-
-    Raises
-    ------
-    InputError
-        If MiniZinc is not installed.
-    """
+    """The solvers that can be used, by name. Raises InputError if MiniZinc is not installed."""
     found = {s.id: InstalledSolver(_short(s), s.name, s.version) for s in _ready().values()}
     return tuple(sorted(found.values(), key=lambda s: s.name))
 

@@ -63,10 +63,7 @@ class Problems:
 def compose(text: str, file: str) -> yaml.Node | None:
     """The node tree of a YAML document, None for an empty one.
 
-    Raises
-    ------
-    InputError
-        If the text is not YAML, with the place and PyYAML's words for it.
+    Raises InputError if the text is not YAML, with the place and PyYAML's words for it.
 
     Examples
     --------
@@ -144,10 +141,7 @@ def shape(node: yaml.Node) -> str:
 def plain(node: yaml.Node) -> Any:
     """The ordinary Python value of a node.
 
-    Raises
-    ------
-    InputError
-        If the node has a tag or a key that plain data cannot have.
+    Raises InputError if the node has a tag or a key that plain data cannot have.
 
     Examples
     --------
@@ -199,10 +193,7 @@ def place_in(file: str, *paths: tuple[str, ...]) -> Place | None:
 def with_value(text: str, path: Sequence[str], value: str) -> str:
     """The text with `value`, as YAML, under the keys of `path`; keys that are missing are added.
 
-    Raises
-    ------
-    InputError
-        If the text is not YAML.
+    Raises InputError if the text is not YAML.
 
     Examples
     --------
@@ -227,12 +218,7 @@ def with_value(text: str, path: Sequence[str], value: str) -> str:
 def without_value(text: str, path: Sequence[str]) -> str:
     """The text without the last key of `path`, and without what stood there; a mapping that is then empty goes too.
 
-    Nothing is changed where there is no such key.
-
-    Raises
-    ------
-    InputError
-        If the text is not YAML.
+    Nothing is changed where there is no such key. Raises InputError if the text is not YAML.
 
     Examples
     --------

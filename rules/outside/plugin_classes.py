@@ -34,10 +34,7 @@ ONE_IN_THE_HOUSE = ("of_fallen_metal", "makes_zones", "guards_metal")
 def rules_of(module: ModuleType, brought: str) -> list[Rule[Any]]:
     """The rules that a module defines itself, in the order of their ids.
 
-    Raises
-    ------
-    RuleFault
-        If it defines none, or one that cannot be used: with its file and line, and what is wrong.
+    Raises RuleFault if it defines none, or one that cannot be used: with its file and line, and what is wrong.
     """
     classes = [cls for _, cls in inspect.getmembers(module, inspect.isclass) if issubclass(cls, Rule)]
     own = [cls for cls in classes if cls.__module__ == module.__name__ and hasattr(cls, "id")]
@@ -58,10 +55,7 @@ def rules_of(module: ModuleType, brought: str) -> list[Rule[Any]]:
 def rule_of_class(cls: type[Rule[Any]], brought: str) -> Rule[Any]:
     """The rule that a class makes, with its hooks guarded.
 
-    Raises
-    ------
-    RuleFault
-        If it cannot be used: with the class's file and line, and what is wrong.
+    Raises RuleFault if it cannot be used: with the class's file and line, and what is wrong.
     """
     try:
         wrong = next(_faults(cls), None)

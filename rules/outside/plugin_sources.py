@@ -36,12 +36,8 @@ GROUP = "kerfwise.rules"
 def installed_rules() -> Mapping[str, Rule[Any]]:
     """Rule id → rule, of every installed package that brings some, sorted by id. Found once, when first asked for.
 
-    An entry point names a rule's class, or a module: all rules that it defines.
-
-    Raises
-    ------
-    RuleFault
-        If one cannot be loaded or used, or has the name of another rule: with the package.
+    An entry point names a rule's class, or a module: all rules that it defines. Raises RuleFault if one cannot be
+    loaded or used, or has the name of another rule: with the package.
     """
     found: dict[str, Rule[Any]] = {}
     points = {(_package(point), point.name, point.value): point for point in entry_points(group=GROUP)}
@@ -101,10 +97,7 @@ class PythonFile:
 def rules_in_file(path: Path) -> tuple[Rule[Any], ...]:
     """The rules that a Python file defines. Its code is run, once for what it holds: ask for trust before.
 
-    Raises
-    ------
-    InputError
-        If it cannot be read or run, or defines no rule that can be used: with the line.
+    Raises InputError if it cannot be read or run, or defines no rule that can be used: with the line.
     """
     full = path.resolve()
     try:
@@ -123,10 +116,7 @@ def rules_in_file(path: Path) -> tuple[Rule[Any], ...]:
 def run_file(path: Path, text: bytes) -> ModuleType:
     """The module that a file makes, run under a name of its own.
 
-    Raises
-    ------
-    InputError
-        If it is no Python, or an exception ends it: with the line.
+    Raises InputError if it is no Python, or an exception ends it: with the line.
     """
     name = f"kerfwise_rules_{path.stem.replace('-', '_')}_{hashlib.sha256(str(path).encode() + text).hexdigest()[:12]}"
     spec = importlib.util.spec_from_loader(name, loader=None, origin=str(path))
@@ -171,10 +161,7 @@ def configuration() -> Path:
 def is_trusted(path: Path) -> bool:
     """Whether the machine's configuration or the environment says that a file's code may run.
 
-    Raises
-    ------
-    InputError
-        If the configuration cannot be read: with file, line and column.
+    Raises InputError if the configuration cannot be read: with file, line and column.
     """
     full = path.resolve()
     trusted = [*_of_environment(), *_of_configuration(configuration())]

@@ -63,10 +63,7 @@ def read_file_entry(
 ) -> OwnFile | None:
     """The entry; None, with what is wrong noted in `problems`, where it cannot be read.
 
-    Raises
-    ------
-    InputError
-        If the entry gives parameters and the file is no rule.
+    Raises InputError if the entry gives parameters and the file is no rule.
     """
     so_far = len(problems.found)
     values = read_values(FILE, members, problems, what)
@@ -109,10 +106,7 @@ def with_parameters(
 def read_own_rules(node: yaml.Node, problems: Problems, parameters_of: ParametersOf) -> tuple[Own, ...]:
     """The plant's own rules; what is wrong with them is noted in `problems`.
 
-    Raises
-    ------
-    InputError
-        If an entry gives parameters of a file that is no rule.
+    Raises InputError if an entry gives parameters of a file that is no rule.
     """
     rules: dict[str, Own] = {}
     for number, entry in enumerate(items(node, problems, "own_rules"), 1):

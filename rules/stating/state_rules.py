@@ -82,16 +82,10 @@ class Stated:
 def state_rules(facts: Facts, profile: Technique, by_other_zones: Stated | None = None) -> Stated:
     """Ask every rule that is on for its statements, and resolve the cycles among the hard orders.
 
-    What is stated `by_other_zones` of facts that are else the same, nothing relaxed, is taken over of rules that do
-    not mind zones: large nests have hundreds of thousands of such statements.
-
-    Raises
-    ------
-    InputError
-        If a lock names something that the nest does not have, or a rule's model file cannot be compiled.
-    RulesConflict
-        If orders that may not be dropped contradict each other, or no plan can meet a statement; the reasons are their
-        sentences.
+    What is stated `by_other_zones` of facts that are else the same, nothing relaxed, is taken over of rules that do not
+    mind zones: large nests have hundreds of thousands of such statements. Raises InputError if a lock names something
+    that the nest does not have, or a rule's model file cannot be compiled; RulesConflict if orders that may not be
+    dropped contradict each other, or no plan can meet a statement; the reasons are their sentences.
 
     Examples
     --------

@@ -27,13 +27,7 @@ KINDS = (".svg", ".png", ".html", ".pdf")
 
 
 def expect_kinds(names: Iterable[str | Path]) -> None:
-    """Refuse a file that a comparison cannot be written as.
-
-    Raises
-    ------
-    InputError
-        Naming the file.
-    """
+    """Refuse a file that a comparison cannot be written as. Raises InputError naming the file."""
     for name in names:
         if Path(name).suffix.lower() not in KINDS:
             raise InputError(f"a comparison is written as {', '.join(KINDS)}: give a name that ends so", file=name)

@@ -109,12 +109,8 @@ class Side:
 def side_of(request: SideAsked, heat: bool = False, listener: Listener | None = None, tell: Tell = silent) -> Side:
     """Read or plan one side, time it and have it judged.
 
-    Raises
-    ------
-    InputError
-        If its file cannot be read or is one of another nest.
-    NoPlan
-        If it is to be planned, and no plan keeps the hard rules.
+    Raises InputError if its file cannot be read or is one of another nest; NoPlan if it is to be planned, and no plan
+    keeps the hard rules.
     """
     if request.file is None:
         return _planned(request, heat, listener or Listener(), tell)
@@ -194,10 +190,7 @@ _STRENGTHS: Mapping[str, Literal["hard", "soft"] | None] = {"": None, "hard": "h
 def expect_two(a: Made | None, b: Made | None, profiles: int, with_: Collection[str], without: Collection[str]) -> None:
     """Refuse what does not say two sides; `profiles` is how many are given.
 
-    Raises
-    ------
-    InputError
-        With what may be given.
+    Raises InputError with what may be given.
     """
     if b is not None and (with_ or without):
         raise InputError("--with and --without (in Python with_ and without) plan B anew: leave B out")

@@ -106,10 +106,7 @@ def page_bytes(data: Data) -> bytes:
 def plan_side(inputs: Inputs, plan: Plan, verdict: CheckResult) -> Data:
     """A plan on its machine: the torch's own paths, with the kerf beside them.
 
-    Raises
-    ------
-    InputError
-        If the plan is one of another nest.
+    Raises InputError if the plan is one of another nest.
     """
     profile = inputs.profile.at_origin(plan.origin)
     nest = inputs.nest

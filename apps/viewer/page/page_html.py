@@ -281,10 +281,7 @@ def short(value: float, digits: int = 3) -> float:
 def side_data(nest: Nest, plan: Plan, home: Point, cuts: list[Data] | None = None) -> Data:
     """One plan: its cuts, its figures, and what it says of each rule. With no `cuts` given paths are as drawn.
 
-    Raises
-    ------
-    InputError
-        If the plan is not one of this nest.
+    Raises InputError if the plan is not one of this nest.
     """
     expect_plan_of(plan, nest)
     solve, totals = plan.solve, plan.totals

@@ -34,12 +34,8 @@ def edited(wanted: PlanRequest, inputs: Inputs, changes: Sequence[dict[str, Any]
     """The text of the job file with all changes made, None for no file, and the locks that gave way to new ones.
 
     A change is `{"lock": LINE}`, `{"unlock": LINE}`, `{"set": KEY, "to": VALUE}`, `{"unset": KEY}`, `{"profile": NAME}`
-    or `{"answer": "QUESTION=CHOICE"}`.
-
-    Raises
-    ------
-    InputError
-        If one of them cannot be made, or what comes of all does not fit the nest: then none counts.
+    or `{"answer": "QUESTION=CHOICE"}`. Raises InputError if one of them cannot be made, or what comes of all does not
+    fit the nest: then none counts.
     """
     undone: Undone = []
     text = JobText(wanted.job_text or "")

@@ -55,12 +55,7 @@ class NotPrivate(Exception):
 def private_folder(path: Path) -> Path:
     """A folder of this user alone, made where it is not there.
 
-    Raises
-    ------
-    OSError
-        If it cannot be made.
-    NotPrivate
-        If it is another user's, or others may write it.
+    Raises OSError if it cannot be made; NotPrivate if it is another user's, or others may write it.
     """
     path.mkdir(mode=0o700, parents=True, exist_ok=True)
     if not only_ours(path):

@@ -33,10 +33,8 @@ class Folder:
     def nest(self, name: str) -> Path:
         """The path of a nest by its name in this folder.
 
-        Raises
-        ------
-        InputError
-            If there is none, or it is not in this folder: a link that leads out of it counts as not there.
+        Raises InputError if there is none, or it is not in this folder: a link that leads out of it counts as not
+        there.
         """
         wanted = PurePosixPath(name)
         if wanted.is_absolute() or ".." in wanted.parts or "\\" in name or "\x00" in name or not wanted.parts:
@@ -55,10 +53,7 @@ class Folder:
     def keep(self, name: str, drawing: bytes, beside: Path | None = None) -> Path:
         """Write a drawing that was dropped on the page, or a nest beside another, unless it is there already; its path.
 
-        Raises
-        ------
-        InputError
-            As `expect_free` does.
+        Raises InputError as `expect_free` does.
         """
         folder = self.path if beside is None else beside.parent
         self.expect_free(name, drawing, folder)
@@ -71,10 +66,7 @@ class Folder:
     def expect_free(self, name: str, drawing: bytes, folder: Path | None = None) -> None:
         """Make sure that a drawing can be written under a name, in this folder or one in it.
 
-        Raises
-        ------
-        InputError
-            If the name is no plain name of a nest, or another drawing has it.
+        Raises InputError if the name is no plain name of a nest, or another drawing has it.
         """
         if not _NAME.fullmatch(name) or name.startswith(".") or Path(name).suffix.lower() not in SUFFIXES:
             raise InputError(f"{escape_text(name)!r}: expected the name of a drawing, ending in {', '.join(SUFFIXES)}")
@@ -91,10 +83,7 @@ class Folder:
     def expect_inside(self, paths: Iterable[Path]) -> None:
         """Make sure that files are read and written in this folder, wherever links lead to.
 
-        Raises
-        ------
-        InputError
-            Naming the file that is elsewhere.
+        Raises InputError naming the file that is elsewhere.
         """
         for path in paths:
             try:

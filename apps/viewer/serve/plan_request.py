@@ -104,10 +104,7 @@ def earlier_plan_name(nest: str) -> str:
 def job_in(wanted: PlanRequest) -> Job | None:
     """The job that is wanted, as if its file stood beside the nest already.
 
-    Raises
-    ------
-    InputError
-        If it is wrong anywhere, with line and column.
+    Raises InputError if it is wrong anywhere, with line and column.
     """
     if wanted.job_text is None:
         return None
@@ -125,10 +122,7 @@ def enter_nest_folder(wanted: PlanRequest) -> str:
 def request_inputs(wanted: PlanRequest, tell: Tell = silent) -> Inputs:
     """Nest and profile, read as `kerfwise solve` reads them in the nest's folder.
 
-    Raises
-    ------
-    InputError
-        If something cannot be read, or is wrong: with its place.
+    Raises InputError if something cannot be read, or is wrong: with its place.
     """
     name = enter_nest_folder(wanted)
     job = job_in(wanted)

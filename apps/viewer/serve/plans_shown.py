@@ -257,13 +257,7 @@ class RecentFacts:
         self._known: tuple[Nest, Profile, str, Facts] | None = None
 
     def of(self, nest: Nest, profile: Profile, already: AlreadyCut) -> Facts:
-        """As `facts_of` finds them without locked places.
-
-        Raises
-        ------
-        InputError, RulesConflict
-            As `facts_of` does.
-        """
+        """As `facts_of` finds them without locked places. Raises InputError, RulesConflict as `facts_of` does."""
         if profile.machine.torches.several:  # contours with a locked place are cut one by one
             return facts_of(nest, profile, already)
         check_locks(profile.locks, nest)

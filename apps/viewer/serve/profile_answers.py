@@ -77,10 +77,7 @@ def shown_page(rule: Rule[Any]) -> str:
 def profile_text(wanted: PlanRequest, values: Sequence[RuleValue], new: str | None = None) -> dict[str, Any]:
     """The text of the profile with other values, or of a `new` one that is based on it, and where that is to stand.
 
-    Raises
-    ------
-    InputError
-        If a profile cannot say this: with file, line and column; or the new one cannot have its name.
+    Raises InputError if a profile cannot say this: with file, line and column; or the new one cannot have its name.
     """
     plant = _plant(wanted)
     path = _path(plant)

@@ -425,10 +425,7 @@ def save(session: Session, folder: Folder, profile_sha256: str, picture: str) ->
 def job_text_beside(nest: Path, folder: Folder) -> str | None:
     """What the job file of a nest says, to the byte; None where there is none.
 
-    Raises
-    ------
-    InputError
-        If it is no UTF-8 text, or a link that leads out of the folder.
+    Raises InputError if it is no UTF-8 text, or a link that leads out of the folder.
     """
     job = nest.with_name(beside_name(nest.name))
     folder.expect_inside([job])

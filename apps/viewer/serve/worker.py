@@ -72,12 +72,8 @@ class Worker:
     def ask(self, question: str, heard: Heard = lambda told: None, within_s: float | None = None, **given: Any) -> Any:
         """The answer, as JSON can hold it.
 
-        Raises
-        ------
-        Refused
-            If something given cannot be used, or there is no answer `within_s`.
-        Died
-            If the process died; the next question starts another.
+        Raises Refused if something given cannot be used, or there is no answer `within_s`; Died if the process died;
+        the next question starts another.
         """
         with self._turn:
             if self._closed:

@@ -27,12 +27,8 @@ def costs_of(
     """What every move costs, as `Network` says.
 
     `sites` are those of the problem that the sites of the `split` one stand for. Where these are of the last contour of
-    a block with ways `inside`, a move leads to some site of it. `go` is asked now and then.
-
-    Raises
-    ------
-    Stopped
-        If `go` says no before the end.
+    a block with ways `inside`, a move leads to some site of it. `go` is asked now and then. Raises Stopped if `go` says
+    no before the end.
     """
     m, moves = split.m, Moves(problem)
     cost = np.empty((m + 1, m + 1))

@@ -55,12 +55,8 @@ def solve_cpsat(
     """Improve on `start`, a lawful route, and prove a bound, given one (µm) that is proven already.
 
     Ends when proven, at the deadline, or on Ctrl-C; what was found until then comes back. A model of more than
-    `max_arcs` arcs between sites is not built.
-
-    Raises
-    ------
-    AssertionError
-        If the model and `models/problem/evaluate` disagree about a route: a bug in one of them.
+    `max_arcs` arcs between sites is not built. Raises AssertionError if the model and `models/problem/evaluate`
+    disagree about a route: a bug in one of them.
     """
     if problem.n == 0:
         return CpsatOutcome(Incumbent((), 0), 0, proven_optimal=True)

@@ -105,10 +105,7 @@ def settle(
 def _rest(posed: Problem, relaxed: ReducedCosts, most: float) -> Completion:
     """What is still to come of what multipliers leave, from the end to the beginning: one round, of less than `most`.
 
-    Raises
-    ------
-    bounds.TooMuch
-        If it takes as much.
+    Raises bounds.TooMuch if it takes as much.
     """
     walked = reverse_problem(replace(posed, matrix=relaxed.dear, conditions=()))
     return bounds.complete(walked, None, Deadline(0.0), MOST_NEIGHBOURS, most)
@@ -127,10 +124,7 @@ class Backward:
     def onward(self, limit: int, deadline: Deadline, threads: Executor) -> Ints:
         """What plans cost at least from every way in on, (ways,): exact, but for what is crossed, or more than `limit`.
 
-        Raises
-        ------
-        TooLarge
-            Over the deadline.
+        Raises TooLarge over the deadline.
         """
         local, nothing = self._local, entrance_of([0], limit)
         tables = (table_of(local, table, limit) for table in (self._moves, self._lows))

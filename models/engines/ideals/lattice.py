@@ -110,12 +110,8 @@ def sweep_layers(
 
     States that cost more than the limit, less what is still to come, are dropped: they cannot be part of a better plan.
     `lows` are what plans cost at least by their ways in, where the stretch has two costs. With a `width` only so many
-    states of a layer are kept. `held` bytes of the deadline's are taken by stretches before it.
-
-    Raises
-    ------
-    TooLarge
-        Over the deadline.
+    states of a layer are kept. `held` bytes of the deadline's are taken by stretches before it. Raises TooLarge over
+    the deadline.
     """
     local, orders = stretch.local, stretch.local.orders
     sets = Sets.empty(orders, len(entrance))
@@ -231,10 +227,7 @@ def sweeping(deadline: Deadline, work: float, held: float = 0.0) -> Deadline:
 def expect(deadline: Deadline, ahead: Growth, sets: int, words: int, width: int, free: float, times: int = 1) -> None:
     """Pay for the layer after one of so many sets before it is made; a state has `times` values of `width` bytes.
 
-    Raises
-    ------
-    TooLarge
-        If it is more than is left of the work, or of the `free` bytes, or it is time to stop.
+    Raises TooLarge if it is more than is left of the work, or of the `free` bytes, or it is time to stop.
     """
     deadline.spend(additions_of(times * ahead.additions, ahead.entries, times * ahead.states))
     new_sets = min(ahead.entries, NEW_SETS_PER_SET * sets)

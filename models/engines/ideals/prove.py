@@ -182,10 +182,7 @@ def bound_by_walks(
 ) -> Completion | Apart:
     """Bounds of every stretch apart, or of the one that there is.
 
-    Raises
-    ------
-    TooMuch
-        If the least that they take is `most` deterministic seconds or more.
+    Raises TooMuch if the least that they take is `most` deterministic seconds or more.
     """
     if len(series(problem)) > 1:
         return Apart(look_ahead(problem, incumbent.route, deadline, most), incumbent)
@@ -197,10 +194,7 @@ def rests_of(
 ) -> tuple[Rests, float]:
     """What a sweep needs of a bound by walks, or of none, and what plans cost at least; infinite where that is unknown.
 
-    Raises
-    ------
-    TooLarge
-        Over the budget.
+    Raises TooLarge over the budget.
     """
     if isinstance(bound, Apart):
         return bound.rests(problem, deadline, threads)
@@ -225,10 +219,7 @@ class Apart:
     def rests(self, problem: Problem, deadline: Deadline, threads: Executor) -> tuple[Rests, float]:
         """What a sweep of all stretches needs of them, sharpened by what they miss, and what plans cost at least.
 
-        Raises
-        ------
-        TooLarge
-            Over the budget.
+        Raises TooLarge over the budget.
         """
         missed = missed_in(problem, self.ahead, self.plan.route, self.plan.cost, deadline, threads)
 

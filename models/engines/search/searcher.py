@@ -246,10 +246,7 @@ class Searcher:
     def stand_on(self, route: Sequence[int]) -> None:
         """Go on from a lawful route (sites in cutting order) that another engine found.
 
-        Raises
-        ------
-        ValueError
-            If the route breaks a hard statement.
+        Raises ValueError if the route breaks a hard statement.
         """
         faults = broken(self._problem, route)
         if faults:

@@ -67,13 +67,7 @@ class Grid:
 
 
 def make_grid(nest: Nest, step_mm: float) -> Grid:
-    """The grid over a nest's sheet.
-
-    Raises
-    ------
-    InputError
-        If it would have more points than fit in memory.
-    """
+    """The grid over a nest's sheet. Raises InputError if it would have more points than fit in memory."""
     x0, y0, x1, y1 = nest.sheet.bounds
     nx, ny = math.ceil((x1 - x0) / step_mm + SHIFT_X), math.ceil((y1 - y0) / step_mm + SHIFT_Y)
     if nx * ny > MOST_POINTS:

@@ -66,10 +66,7 @@ def simulate(
 def counted_points(grid: Grid, path: TimedPath, heat: Heat) -> Bools:
     """The points whose temperature counts: of parts and of the skeleton, not too near to the torch's path.
 
-    Raises
-    ------
-    InputError
-        If there are none, though the torch heats the sheet.
+    Raises InputError if there are none, though the torch heats the sheet.
     """
     within_mm = max(heat.kerf_band_mm, LEAST_BAND_STEPS * heat.grid_mm)
     band = grid.near((shapely.LineString(burn.xy) for burn in path.burns), within_mm)
@@ -97,10 +94,8 @@ COLD_K = 0.01
 class LogicalSheet:
     """A sheet in the scheme, as far as it has come.
 
-    Raises
-    ------
-    InputError
-        If K_c · 8 is over 1: a point would give more than it has, and temperatures would swing without end.
+    Raises InputError if K_c · 8 is over 1: a point would give more than it has, and temperatures would swing without
+    end.
     """
 
     def __init__(self, grid: Grid, heat: Heat) -> None:
@@ -239,13 +234,7 @@ def expect_bounded(metal_points: int, path: TimedPath, heat: Heat) -> None:
 
 
 def expect_short(path: TimedPath, file: str | Path | None = None) -> None:
-    """Refuse a path of more than a week.
-
-    Raises
-    ------
-    InputError
-        With the file, and the contour that takes the longest.
-    """
+    """Refuse a path of more than a week. Raises InputError with the file, and the contour that takes the longest."""
     if not path.end_s <= MOST_S:
         contour, what, seconds = longest(path)
         raise InputError(

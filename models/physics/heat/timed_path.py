@@ -67,12 +67,8 @@ def torch_on(
 ) -> TorchOn:
     """A stretch that stands at its first point for `pierce_s` and then runs along `points` (k, 2) to its end.
 
-    It runs evenly, or where `slowness` (k - 1,) is given takes so many times longer for each of its steps.
-
-    Raises
-    ------
-    InputError
-        If it ends before it begins.
+    It runs evenly, or where `slowness` (k - 1,) is given takes so many times longer for each of its steps. Raises
+    InputError if it ends before it begins.
 
     Examples
     --------

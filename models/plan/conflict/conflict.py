@@ -147,14 +147,8 @@ def state_relaxed(facts: Facts, profile: Profile, *, deadline: Deadline | None =
     """As `state_rules`, but where hard rules contradict each other the cheapest way out is taken.
 
     What gives way costs more than any plan travels and is among `dropped`, each with a reason that begins with
-    `models.plan.RELAXED`.
-
-    Raises
-    ------
-    InputError
-        As `state_rules` does.
-    RulesConflict
-        If nothing that may give way helps, or nothing was found within the work allowed.
+    `models.plan.RELAXED`. Raises InputError as `state_rules` does; RulesConflict if nothing that may give way helps, or
+    nothing was found within the work allowed.
     """
     statements, exempt = every_statement(facts, profile)
     finder = _Finder(facts, profile, deadline or Deadline(DEFAULT_WORK), trusting=True)
@@ -183,10 +177,7 @@ class _Finder:
     def core(self, groups: Sequence[Group], part: Deadline | None = None) -> Core | None:
         """A contradiction, on order and entries alone where there is one, within a part of the deadline.
 
-        Raises
-        ------
-        NotAnswered
-            If it was not shown whether there is one.
+        Raises NotAnswered if it was not shown whether there is one.
         """
         left = part.left if part else 0.0
         try:
@@ -325,12 +316,8 @@ def find_relaxation(
 
     Each counts the same, as in the objective of the plan that is made then; what is relaxed last, such as locks, weighs
     more than everything else together. Found by implicit hitting sets (Davies and Bacchus 2011): contradictions are
-    gathered, the fewest groups that hit each of them taken out, until no contradiction is left.
-
-    Raises
-    ------
-    NotAnswered
-        If no answer was found within the work, or the time, allowed.
+    gathered, the fewest groups that hit each of them taken out, until no contradiction is left. Raises NotAnswered if
+    no answer was found within the work, or the time, allowed.
     """
     deadline = deadline or Deadline(DEFAULT_WORK)
     weights = _weights(groups, book)

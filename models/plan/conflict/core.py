@@ -53,12 +53,8 @@ def find_core(
     Orders that contradict each other are seen without a solver and without work, and so is, mostly, that all can hold.
     Else whole rules are left out first, then halves, quarters, …, and at last single groups, those of rules that give
     way first (`gives_way`, the highest first): as far as answers come at once, and then with all the work they need.
-    Every question is about the contours of the groups in it only, so that it soon is a small one.
-
-    Raises
-    ------
-    NotAnswered
-        If it was not shown whether all can hold.
+    Every question is about the contours of the groups in it only, so that it soon is a small one. Raises NotAnswered if
+    it was not shown whether all can hold.
     """
     deadline = deadline or Deadline(DEFAULT_WORK)
     orders = orders_of(facts, groups)
@@ -155,10 +151,7 @@ class Engines:
     def clash(self, groups: Sequence[Group]) -> list[int] | None:
         """All the groups by number if they cannot all hold, None if they can.
 
-        Raises
-        ------
-        NotAnswered
-            If neither was shown, or all work is done.
+        Raises NotAnswered if neither was shown, or all work is done.
         """
         if self.left <= 0 or self.deadline.left <= 0:
             raise NotAnswered
@@ -187,12 +180,8 @@ class Engines:
 def find_whole_core(engines: Engines, groups: Sequence[Group], gives_way: Mapping[str, int]) -> Core | None:
     """A contradiction among the groups, minimal unless the work runs out before; None if there is none.
 
-    Whole rules are left out first, then halves, quarters, … and at last single groups.
-
-    Raises
-    ------
-    NotAnswered
-        If it was not shown whether all can hold.
+    Whole rules are left out first, then halves, quarters, … and at last single groups. Raises NotAnswered if it was not
+    shown whether all can hold.
     """
     core = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
     if engines.clash(core) is None:

@@ -121,13 +121,7 @@ class NotAnswered(Exception):
 
 
 def solver_within(deadline: Deadline, most: float) -> CpSolver:
-    """A solver that stops when `most` work, or what is left, is done.
-
-    Raises
-    ------
-    NotAnswered
-        If nothing is left.
-    """
+    """A solver that stops when `most` work, or what is left, is done. Raises NotAnswered if nothing is left."""
     if deadline.left <= 0:
         raise NotAnswered
     solver = quiet_solver(most)

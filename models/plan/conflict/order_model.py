@@ -239,11 +239,7 @@ def clash_at_once(facts: Facts, groups: Sequence[Group], deadline: Deadline) -> 
 
     With every group fixed, presolve sees most contradictions, which is much faster than asking which groups they need.
     Where there is none, an order that keeps everything is mostly found without it, before presolve would have ended.
-
-    Raises
-    ------
-    NotAnswered
-        If neither is seen at once, or the deadline is reached.
+    Raises NotAnswered if neither is seen at once, or the deadline is reached.
     """
     if not groups:
         return None

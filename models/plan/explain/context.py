@@ -75,10 +75,8 @@ class PlanContext:
 def make_context(facts: Facts, profile: Technique, stated: Stated, plan: Plan) -> PlanContext:
     """The setting of a plan, under the facts and statements of today.
 
-    Raises
-    ------
-    InputError
-        If the plan is not one of this nest: it names contours that the nest does not have, or misses some.
+    Raises InputError if the plan is not one of this nest: it names contours that the nest does not have, or misses
+    some.
     """
     _same_contours(facts, plan)
     problem = make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds_of(profile))

@@ -86,12 +86,7 @@ class Priced:
     ) -> SweptPart:
         """It swept from some of its ways in, which it costs so much to come to, for plans of no more than `limit`.
 
-        Stretches before it have `held` bytes of the deadline's.
-
-        Raises
-        ------
-        TooLarge
-            Over the deadline.
+        Stretches before it have `held` bytes of the deadline's. Raises TooLarge over the deadline.
         """
         local = localise(self.posed, tuple(range(self.posed.n)), frozenset())
         stretch = _stretch(self, local, np.searchsorted(self.ways, ways), limit)
@@ -127,10 +122,7 @@ class PricedStretches:
     def sweep(self, limit: int | None, deadline: Deadline, threads: Executor) -> Incumbent | None:
         """The best route of all that cost no more than `limit`; None where there is none.
 
-        Raises
-        ------
-        TooLarge
-            Over the deadline.
+        Raises TooLarge over the deadline.
         """
         assert limit is not None  # a plan is known
         swept: list[SweptPart] = []
@@ -158,12 +150,7 @@ class PricedStretches:
     def descend(self, known: int, deadline: Deadline, threads: Executor) -> Incumbent | None:
         """A route through one stretch after the other, each the best from where the last one ended by what is to come.
 
-        None where it would cost more than a plan that is `known`.
-
-        Raises
-        ------
-        TooLarge
-            Over the deadline.
+        None where it would cost more than a plan that is `known`. Raises TooLarge over the deadline.
         """
         route: list[int] = []
         way, cost = HOME, 0

@@ -76,12 +76,8 @@ def look_ahead(
 ) -> list[Ahead]:
     """What is ahead in every stretch of a problem, in their order.
 
-    Each has its share of the work. `route` is a lawful one: what it costs is what a bound may rise to.
-
-    Raises
-    ------
-    TooMuch
-        If all stretches take `most` deterministic seconds or more, one round of each being the least.
+    Each has its share of the work. `route` is a lawful one: what it costs is what a bound may rise to. Raises TooMuch
+    if all stretches take `most` deterministic seconds or more, one round of each being the least.
     """
     groups = series(problem)
     sites = [problem.sites_of(group) for group in groups]
@@ -139,12 +135,7 @@ def missed_in(
     """What every stretch costs more than its bound says, at least, µm: 0 for the first, which nothing comes before.
 
     `route` is a lawful one, which costs `known`; what it misses in a stretch is the most that is looked for. Where it
-    costs as much as bounds are cut off at, nothing is said to be missed.
-
-    Raises
-    ------
-    TooLarge
-        If there is no work left.
+    costs as much as bounds are cut off at, nothing is said to be missed. Raises TooLarge if there is no work left.
     """
     if known >= FAR:
         return [0] * len(ahead)
@@ -179,10 +170,7 @@ class _Through:
     def rising(self, local: Local, rests: Callable[[int], RestBound], most: int) -> int:
         """What the cheapest of them costs at least, `most` at the most: little more than promised is tried first.
 
-        Raises
-        ------
-        TooLarge
-            If there is no work left.
+        Raises TooLarge if there is no work left.
         """
         above = self._promised
         try:
@@ -322,12 +310,7 @@ def limits_within_work(least: float, known: int, left: Callable[[], float]) -> I
     """Limits as `rising_limits` gives them, but such that the sweep to each will end with the work that is left.
 
     The first is next to the `least` itself, as plans may cost no more. What a sweep takes rises about as a power of its
-    limit.
-
-    Raises
-    ------
-    TooLarge
-        Where no sweep that says more would end.
+    limit. Raises TooLarge where no sweep that says more would end.
     """
     over, step, before = FIRST * least, FIRST * least, 0.0
     if least + over < known:
