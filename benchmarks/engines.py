@@ -104,8 +104,8 @@ MEMBERS = {
     "cp-sat": Member("constraint programming", ("portfolio", "solve_model"), _nothing),
     "regions": Member("search region by region", ("search.searcher", "regional"), _no),
     "merging": Member("tours merged", ("search.searcher", "mergeable"), _no),
-    "chains": Member("Lin-Kernighan chains", ("search.tour_merging", "chained"), _no),
-    "exchanges": Member("three arcs exchanged", ("search.travel", "_plain"), _no),
+    "chains": Member("Lin-Kernighan chains", ("search.moves.tour_merging", "chained"), _no),
+    "exchanges": Member("three arcs exchanged", ("search.state.travel", "_plain"), _no),
 }
 
 

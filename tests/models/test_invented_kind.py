@@ -44,6 +44,7 @@ from kerfwise.models.plan.make_plan import entry_reasons, excuses, make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.conditions import LoweredStatements, lower_statements
+from kerfwise.models.problem.evaluate import unpriced_crossings
 from kerfwise.models.problem.problem import links_on
 from kerfwise.rules.statements import EXEMPTION_MM, About, Statement, by_kind, candidates_named, contours_named
 from kerfwise.rules.stating.feasible_order import positions
@@ -101,6 +102,13 @@ def find_conflict(patch: pytest.MonkeyPatch) -> None:
     conflict.find_conflict(FACTS, PROFILE)
 
 
+def price_crossings(_: pytest.MonkeyPatch) -> None:
+    """The problem remembers the invented statement."""
+    problem = planned()[2].problem
+    told = replace(problem.told, statements=(INVENTED,))
+    unpriced_crossings(replace(problem, told=told), (), planned()[0])
+
+
 def set_up(patch: pytest.MonkeyPatch) -> None:
     """Explain reads a plan; the problem, which refuses the kind as well, is made already."""
     patch.setattr(explain_setting, "make_problem", lambda *given: planned()[2].problem)
@@ -139,6 +147,7 @@ REFUSES: dict[str, list[Refuses]] = {
     ],
     "models/problem/compile.py": [lambda _: make_problem(FACTS, (INVENTED,), HOME)],
     "models/problem/conditions.py": [lambda _: lower_statements((INVENTED,), (), LoweredStatements())],
+    "models/problem/evaluate.py": [price_crossings],
     "models/problem/problem.py": [lambda _: links_on(FACTS.candidates, (INVENTED,), planned()[0], HOME)],
     "models/plan/conflict/conflict.py": [find_conflict],
     "models/plan/conflict/groups.py": [

@@ -64,12 +64,12 @@ def test_a_rule_has_all_that_is_its_own_in_its_folder(rule: str) -> None:
     folder = Path(catalogue.__path__[0], rule.replace("-", "_"))
     files = {path.name for path in folder.iterdir() if path.is_file()}
     assert files >= {"__init__.py", "cases.py"}  # that there is a picture is a test of the docs
-    assert {name for name in files if not name.endswith(".mzn")} <= {
-        "__init__.py",
-        "cases.py",
-        "model_data.py",
-        "picture.svg",
-    }
+    own = {
+        "no-narrow-strips": {"strips.py"},
+        "scrap-last": {"skeleton.py"},
+    }  # how it judges, and facts that it alone reads
+    known = {"__init__.py", "cases.py", "model_data.py", "picture.svg"} | own.get(rule, set())
+    assert {name for name in files if not name.endswith(".mzn")} <= known
 
 
 def test_comparison_can_fail() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.files import read_limited
+from kerfwise.encoder.files import read_named
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.postproc.old.programs import FEED, HEAD, READ, REFUSED
 
@@ -172,7 +172,7 @@ def test_a_file_that_is_too_large_stops_no_other_program(tmp_path: Path, monkeyp
     archive(tmp_path)
     monkeypatch.chdir(tmp_path)
     Path("old/rows.nc").write_text("(-)\n" * 10_000)
-    monkeypatch.setattr(read_limited, "__defaults__", (30_000,))
+    monkeypatch.setattr(read_named, "__defaults__", (30_000,))
     ended = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
     assert ended.code == 2
     assert "refused: old/rows.nc: holds over" in ended.out

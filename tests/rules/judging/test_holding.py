@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -27,10 +29,10 @@ def islands_plainly(
     cluster: set[int], joined: Graph, framed: set[int], cut_at: dict[int, int]
 ) -> set[tuple[int, frozenset[int]]]:
     """What each cut sets apart from the frame, or from the piece that lasts longest; never-cut parts last."""
-    last = {k: (cut_at.get(k, len(cut_at) + 1), -k) for k in cluster}
+    last = {k: (cut_at.get(k, math.inf), -k) for k in cluster}
     found: set[tuple[int, frozenset[int]]] = set()
     for part, at in cut_at.items():
-        before = {k for k in cluster if cut_at.get(k, len(cut_at) + 1) >= at}
+        before = {k for k in cluster if cut_at.get(k, math.inf) >= at}
         (whole,) = (piece for piece in pieces_of(before, joined, framed) if part in piece)
         apart = [piece for piece in pieces_of(before - {part}, joined, framed) if piece <= whole and piece != {FRAME}]
         held = FRAME in whole
@@ -57,6 +59,7 @@ def cut_clusters(draw: st.DrawFn) -> tuple[set[int], Graph, set[int], dict[int, 
 
 @given(cut_clusters())
 @example(({0, 1, 2}, {0: {2}, 1: {2}, 2: {0, 1}}, set(), {}))
+@example(({0, 1, 2, 3}, {0: {1, 2}, 1: {0}, 2: {0}, 3: set()}, set(), {0: 1, 3: 2, 1: 3}))
 def test_islands_are_those_that_a_look_at_every_cut_finds(
     drawn: tuple[set[int], Graph, set[int], dict[int, int]],
 ) -> None:
