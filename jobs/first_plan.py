@@ -19,6 +19,7 @@ from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.lawful_walk import route_like
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.tuning import FIRST_PLAN_WORK as WORK
+from kerfwise.models.engines.tuning import UNZONED_MOST_MOVES as MOST_MOVES
 from kerfwise.models.engines.tuning import WORK_A_CONTOUR
 from kerfwise.models.plan.explain.alternatives import try_order
 from kerfwise.models.plan.explain.context import context_along
@@ -31,7 +32,16 @@ from kerfwise.rules.stating.lazy_statements import lazy_statements
 
 from .adaptive_zones import ZonedPlan
 from .inputs import of_first_torch
-from .plan_without_zones import UNPRICED, bans_crossings, is_relaxed, restated, searched, zoned_by
+from .plan_without_zones import (
+    UNPRICED,
+    bans_crossings,
+    is_relaxed,
+    paying_for_crossings,
+    restated,
+    searched,
+    without_moves,
+    zoned_by,
+)
 from .request import Request, make_request
 
 
@@ -108,18 +118,24 @@ def plan_at_hand(
         return None
     asked = _by_zones_of(cuts, facts, profile, request)
     facts = asked.facts
-    problem = make_problem(facts, asked.stated.statements, limits.home_mm, limits.feeds)
+    statements, aside = asked.stated.statements, frozenset[str]()
+    if facts.n > MOST_MOVES and not bans_crossings(statements):  # a look at all moves takes longer than all else here
+        kept, aside = without_moves(statements)
+        statements = tuple(kept)
+    problem = make_problem(facts, statements, limits.home_mm, limits.feeds)
     sites = problem.candidate_site[[_nearest(facts, cut) for cut in cuts]]
     wanted, places = _known(sites, problem.site_contour), _places(profile, facts)
-    setting = context_along(facts, profile, asked.stated, problem, ())
+    stated = replace(asked.stated, statements=statements)
+    setting = context_along(facts, profile, stated, problem, ())
     for order in _orders(problem, wanted, places):
         judged = try_order(setting, order, look=False)
         seen_mm = None if judged.cost is None else paid_for(lazy_statements(facts, profile)(order))
         if judged.cost is not None and seen_mm is not None:
             route = tuple(problem.site_candidate[list(judged.route)].tolist())
             cost_mm = judged.cost / UM_PER_MM + seen_mm
-            found = Solution(route, cost_mm, None, "feasible", "search", "", 0.0, left_out=problem.left_out)
-            return AtHand(asked, replace(found, problem=problem))
+            left_out = problem.left_out or tuple((rule, UNPRICED) for rule in sorted(aside))
+            found = Solution(route, cost_mm, None, "feasible", "search", "", 0.0, left_out=left_out)
+            return AtHand(asked, paying_for_crossings(asked, replace(found, problem=problem)))
     return None
 
 

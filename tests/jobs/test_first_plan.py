@@ -18,7 +18,7 @@ from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines.lawful_walk import route_like
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.problem.compile import make_problem
-from kerfwise.models.problem.evaluate import broken
+from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
@@ -90,6 +90,23 @@ def test_the_zones_of_the_plan_at_hand_are_kept_where_geometry_may_choose(monkey
     fixed = replace(facts, options=replace(facts.options, zone_contours=2))
     at_hand = plan_at_hand(fixed, PROFILE, limits, replace(plan, cuts=cuts), replace(asked, facts=fixed))
     assert at_hand is None or (at_hand.asked.facts.zone == facts.zone).all(), "a plant has asked for these"
+
+
+def test_a_plan_at_hand_of_many_contours_pays_for_what_its_moves_cross(monkeypatch: pytest.MonkeyPatch) -> None:
+    """There is no look at all moves then: those of the route are priced, as in a problem that knows them all."""
+    sheet = row("A", "B", "C", "D", "E", "F")
+    plan = kerfwise.solve(sheet, work=0.5).plan
+    far = replace(plan, cuts=tuple(plan.cuts[k] for k in (2, 0, 4, 1, 5, 3)))
+    facts, limits = facts_of(sheet, PROFILE), options_for(sheet, PROFILE, work=0.5)
+    monkeypatch.setattr("kerfwise.jobs.first_plan.MOST_MOVES", 5)
+    at_hand = plan_at_hand(facts, PROFILE, limits, far)
+    assert at_hand is not None
+    assert at_hand.solution.problem is not None
+    assert not len(at_hand.solution.problem.crossings)
+    whole = make_problem(facts, at_hand.asked.stated.statements, limits.home_mm, limits.feeds)
+    sites = whole.candidate_site[list(at_hand.solution.route)].tolist()
+    assert at_hand.solution.objective == pytest.approx(route_cost(whole, sites) / 1000)
+    assert at_hand.solution.objective > route_cost(at_hand.solution.problem, sites) / 1000, "moves cross parts here"
 
 
 def test_a_plan_that_is_known_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
