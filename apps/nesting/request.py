@@ -11,7 +11,7 @@ from typing import ClassVar
 
 from kerfwise.encoder.contour_checks import sheet_ring_problems
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import is_file, read_limited
+from kerfwise.encoder.files import is_file, is_folder, read_limited
 from kerfwise.encoder.nest import Nest, Part, Sheet
 from kerfwise.encoder.questions import Questions, QuestionsOfFiles, with_answers
 from kerfwise.encoder.readers.drawing import Drawing
@@ -251,7 +251,7 @@ def _in_folder(folder: Path, name: str) -> Path:
         return folder / name
     path = PureWindowsPath(name)
     inside = folder / path.as_posix()
-    return inside if not path.drive and inside.parent.is_dir() else folder / path.name
+    return inside if not path.drive and is_folder(inside.parent) else folder / path.name
 
 
 def _drawn_quantity(part: Part) -> int:
@@ -262,11 +262,11 @@ def _drawn_quantity(part: Part) -> int:
 
 def _file_of(file: Path) -> Path:
     """The file that a list names; where it names none with an ending, the drawing of that name."""
-    if is_file(file):
+    if is_file(file) or not file.name:
         return file
     names = [file.name] if file.suffix.lower() in SUFFIXES else [file.name + suffix for suffix in SUFFIXES]
     there = [one for name in names if is_file(one := file.with_name(name))]
-    if not there and file.parent.is_dir():  # written on a system that does not tell capitals apart
+    if not there and is_folder(file.parent):  # written on a system that does not tell capitals apart
         folded = {name.casefold() for name in names}
         there = [one for one in sorted(file.parent.iterdir()) if one.name.casefold() in folded and is_file(one)]
     return there[0] if len(there) == 1 else file

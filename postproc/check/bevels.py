@@ -235,7 +235,8 @@ def _goes_round(burn: Burn, nest: Nest, contour: Contour, profile: Technique) ->
     inside = contour.polygon
     if contour.kind == "outer":
         part = next(p for p in nest.parts if p.id == contour.part)
-        inside = section_of(part, 0.0, profile.material.thickness_mm)
+        section = section_of(part, 0.0, profile.material.thickness_mm)
+        inside = max(shapely.get_parts(section), key=shapely.area)  # slopes may leave lines and specks beside it
     middle = shapely.get_point(shapely.maximum_inscribed_circle(inside), 0)
     (line,) = lines_of([burn.path], 0.005)
     burnt = shapely.buffer(line, profile.material.kerf_mm / 2)

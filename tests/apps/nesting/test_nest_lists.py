@@ -266,6 +266,14 @@ def test_files_are_found_as_other_systems_write_them(shop: Path, name: str) -> N
     assert (code, "2 of 2 parts" in out) == (0, True), err
 
 
+@pytest.mark.parametrize("name", ["/", ".", "a" * 300 + "/b", "<g>" * 200 + r"\b"])
+def test_names_that_no_file_can_have_are_refused_with_their_line(shop: Path, name: str) -> None:
+    Path("odd.csv").write_text(f"file,quantity\n{name},2\n", encoding="utf-8")
+    code, _, err = nested("odd.csv", "--sheet", "400x300")
+    assert code == 2
+    assert "odd.csv:2" in err
+
+
 def test_qualities_of_a_grade_are_cut_alike(shop: Path) -> None:
     Path("list.csv").write_text("file;qty;mat;t\nplate;2;S235JR;6\nstrip;2;S 235 J2+N;6\n")
     code, out, err = nested("list.csv", "--sheet", "400x300")
