@@ -33,13 +33,13 @@ from kerfwise.rules.stating.lazy_statements import lazy_statements
 from .adaptive_zones import ZonedPlan
 from .inputs import of_first_torch
 from .plan_without_zones import (
-    UNPRICED,
     bans_crossings,
     is_relaxed,
     paying_for_crossings,
     restated,
     searched,
     without_moves,
+    without_pay_for,
     zoned_by,
 )
 from .request import Request, make_request
@@ -60,13 +60,14 @@ def first_plan(
     at_hand: AtHand | None = None,
     progress: Progress | None = None,
     *,
-    moves: bool = False,
+    moves: bool | None = False,
     work: float | None = None,
 ) -> ZonedPlan | None:
     """The first lawful plan that a short search finds, from a plan at hand or from nothing.
 
     Where geometry alone makes zones, the whole sheet is one: to draw them takes longer than all of this. Soft rules on
-    what single moves cross are not priced but with `moves`. The search takes so much `work`, or as little as it takes.
+    what single moves cross are priced with `moves` alone; None leaves that to the number of contours. The search takes
+    so much `work`, or as little as it takes.
 
     Returns
     -------
@@ -81,13 +82,12 @@ def first_plan(
             asked = Request(one, stated, asked.seconds)
     work = min(limits.work, WORK + WORK_A_CONTOUR * asked.facts.n if work is None else work)
     limits = replace(limits, work=work, time_s=None)  # so little takes less time than a look at the clock is worth
-    moves = moves or bans_crossings(asked.stated.statements)
+    moves = True if bans_crossings(asked.stated.statements) else moves
     route = () if at_hand is None else at_hand.solution.route
     found = searched(asked.facts, asked.stated, profile, route, limits, progress, moves=moves)
     if found is None:
         return None
-    left_out = found.solution.left_out or tuple((rule, UNPRICED) for rule in found.aside)
-    return ZonedPlan(asked, replace(found.solution, left_out=left_out), None)
+    return ZonedPlan(asked, without_pay_for(found.solution, found.aside), None)
 
 
 def plan_at_hand(
@@ -118,14 +118,13 @@ def plan_at_hand(
         return None
     asked = _by_zones_of(cuts, facts, profile, request)
     facts = asked.facts
-    statements, aside = asked.stated.statements, frozenset[str]()
-    if facts.n > MOST_MOVES and not bans_crossings(statements):  # a look at all moves takes longer than all else here
-        kept, aside = without_moves(statements)
-        statements = tuple(kept)
-    problem = make_problem(facts, statements, limits.home_mm, limits.feeds)
+    stated, aside = asked.stated, frozenset[str]()
+    if facts.n > MOST_MOVES and not bans_crossings(stated.statements):  # a look at all moves takes longer than all else
+        kept, aside = without_moves(stated.statements)
+        stated = replace(stated, statements=tuple(kept))
+    problem = make_problem(facts, stated.statements, limits.home_mm, limits.feeds)
     sites = problem.candidate_site[[_nearest(facts, cut) for cut in cuts]]
     wanted, places = _known(sites, problem.site_contour), _places(profile, facts)
-    stated = replace(asked.stated, statements=statements)
     setting = context_along(facts, profile, stated, problem, ())
     for order in _orders(problem, wanted, places):
         judged = try_order(setting, order, look=False)
@@ -133,9 +132,9 @@ def plan_at_hand(
         if judged.cost is not None and seen_mm is not None:
             route = tuple(problem.site_candidate[list(judged.route)].tolist())
             cost_mm = judged.cost / UM_PER_MM + seen_mm
-            left_out = problem.left_out or tuple((rule, UNPRICED) for rule in sorted(aside))
-            found = Solution(route, cost_mm, None, "feasible", "search", "", 0.0, left_out=left_out)
-            return AtHand(asked, paying_for_crossings(asked, replace(found, problem=problem)))
+            found = Solution(route, cost_mm, None, "feasible", "search", "", 0.0, left_out=problem.left_out)
+            found = replace(without_pay_for(found, aside), problem=problem)
+            return AtHand(asked, paying_for_crossings(asked, found))
     return None
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Self
@@ -174,8 +174,12 @@ def searched(
 
 def _hear(found: Found, request: Request, unasked: frozenset[str], solution: Solution) -> None:
     """Tell of a plan, and which rules it does not pay for."""
-    left_out = solution.left_out or tuple((rule, UNPRICED) for rule in sorted(unasked))
-    found(request, replace(solution, left_out=left_out))
+    found(request, without_pay_for(solution, unasked))
+
+
+def without_pay_for(solution: Solution, rules: Iterable[str]) -> Solution:
+    """The solution, saying which rules on single moves it was not asked about; an engine's own reasons go before."""
+    return replace(solution, left_out=solution.left_out or tuple((rule, UNPRICED) for rule in sorted(rules)))
 
 
 def zones_cost(asked: Request, solution: Solution, free: Free, limits: SolveOptions) -> ZonesCost:

@@ -20,7 +20,6 @@ from kerfwise.jobs.plan_without_zones import paying_for_crossings
 from kerfwise.jobs.request import Request, facts_of, make_request
 from kerfwise.jobs.resume import lock_broken_cut_first
 from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.engines.tuning import UNZONED_MOST_MOVES as MOST_MOVES
 from kerfwise.models.jit import made_s, running_s
 from kerfwise.models.plan.plan import Plan
 from kerfwise.pipeline import Planned, VerifiedPlan, judged, plan_of, seen_after, verified
@@ -147,11 +146,6 @@ class PlansShown:
         """Whether plans on the way do not pay for overheats, which the profile prices: a simulation tells them last."""
         return self._given.profile.prices_overheats
 
-    @property
-    def _looks_at_moves(self) -> bool:
-        """Whether a first plan is looked for by what single moves cross; of larger nests that is priced afterwards."""
-        return len(self._given.nest.contours) <= MOST_MOVES
-
     def first(self, start: Plan | None, recent: RecentFacts) -> None:
         """A lawful plan at once, and what a short search makes of it; none where the best is found as soon."""
         self._next_s = time.monotonic() + SHOWN_EACH_S  # it may be proven by then
@@ -167,8 +161,7 @@ class PlansShown:
         if first is None or not self._shows(first, "first") or not self._asking.go_on():
             return
         work = min(BETTER_WORK, BETTER_SHARE * self._limits.work)
-        moves = self._looks_at_moves
-        better = first_plan(first.asked, self._profile, self._limits, first, self._progress, moves=moves, work=work)
+        better = first_plan(first.asked, self._profile, self._limits, first, self._progress, moves=None, work=work)
         if better is not None:
             self._shows(AtHand(better.asked, better.solution), "better")
 
@@ -178,7 +171,7 @@ class PlansShown:
         if known is not None:
             return known
         request = make_request(facts, self._profile)
-        found = first_plan(request, self._profile, self._limits, None, self._progress, moves=self._looks_at_moves)
+        found = first_plan(request, self._profile, self._limits, None, self._progress, moves=None)
         return None if found is None else AtHand(found.asked, found.solution)
 
     def _progress(self, engine: str, cost_um: int | None, bound_um: int | None) -> bool:
