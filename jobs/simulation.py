@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.bevels.cut_nest import bevelled
+from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import unknown
@@ -26,17 +27,18 @@ from kerfwise.models.physics.heat.timed_path import in_order, torch_on, without_
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import expect_plan_of, read_plan
 from kerfwise.postproc.check.jets import jet_of
+from kerfwise.postproc.check.machine_limits import stated_spacing
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.check.reader.read_program import Trusted
 from kerfwise.postproc.clock import read_program
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpaths import Toolpath, toolpaths
 from kerfwise.postproc.report.legend import duration
-from kerfwise.rules.profile.plant_sections import Heat, HeatModel
+from kerfwise.rules.profile.plant_sections import Heat, HeatModel, Torches
 from kerfwise.rules.profile.profile import Profile
 
 from .display import Picture, data_frame
-from .inputs import Inputs, Tell, differences, expect_one_torch, is_plan_file, read_program_of, silent
+from .inputs import Inputs, Tell, differences, is_plan_file, read_program_of, silent
 from .programs import OldJob
 
 if TYPE_CHECKING:
@@ -165,7 +167,6 @@ def simulate_made(
         grid is too fine for the sheet or too coarse for its parts.
     """
     _expect_model(model)
-    expect_one_torch(inputs.profile, "the simulation of heat", plan if isinstance(plan, Plan) else None)
     path = path_of_made(plan, inputs, tell, trusted)
     return _simulated(inputs, path, model, tell, frames)
 
@@ -367,7 +368,8 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile, along_contours: bool 
         cut = toolpath.planned.cut
         points, slowness = chords(toolpath.path, paced(toolpath.path, law), _CHORD_MM)
         burn = torch_on(cut.contour, points, cut.start_s, cut.end_s, _stands_s(toolpath, profile), slowness)
-        burns += without_tabs(burn, toolpath.unlit)
+        for lit in without_tabs(burn, toolpath.unlit):
+            burns += [lit, *(_burnt_with(lit, cut, other.cut) for other in toolpath.together)]
     return in_order(burns, plan.totals.time_s)
 
 
@@ -380,14 +382,28 @@ def _stands_s(toolpath: Toolpath, profile: Profile) -> float:
     return profile.machine.unpierced_s if toolpath.edge_start else profile.machine.pierce_time_s
 
 
+def _burnt_with(lit: TorchOn, cut: Cut, other: Cut) -> TorchOn:
+    """What another torch burns of its cut while the first one burns a stretch of this one."""
+    return lit.by(other.torch, other.contour, (other.pierce[0] - cut.pierce[0], other.pierce[1] - cut.pierce[1]))
+
+
+def _torches_of(program: NcProgram, profile: Profile | None) -> Torches:
+    """Where the torches stand for a program; one alone where there is no profile."""
+    if profile is None:
+        return Torches()
+    return profile.at_spacing(stated_spacing(program, None, profile.machine.torches)).machine.torches
+
+
 def path_of_program(program: NcProgram, file: str | Path | None = None, profile: Profile | None = None) -> TimedPath:
     """Where the torch burns by a program, at its own feeds and for its own waits.
 
     A torch that leans burns where its jet is at half the depth of the profile's sheet.
-    Rapids are as profiled, and so are pierces where the dialect leaves them to the machine. Raises InputError with file
+    Further torches stand where the program or else the profile says. Rapids are as profiled, and so are pierces where
+    the dialect leaves them to the machine. Raises InputError with file
     and line, for a program of more than a week: it cannot be simulated.
     """
     burns: list[TorchOn] = []
+    shift = _torches_of(program, profile).shift
     for burn in program.burns:
         took_s = burn.end_s - burn.start_s + burn.wait_s
         if not took_s <= MOST_S:
@@ -408,7 +424,8 @@ def path_of_program(program: NcProgram, file: str | Path | None = None, profile:
             way = chords(burn.path, burn.paced, _CHORD_MM)
         points, slowness = way
         stands_s = burn.held_s + burn.pierce_s
-        burns += without_tabs(torch_on(name, points, burn.start_s, burn.end_s, stands_s, slowness), burn.unlit)
+        for lit in without_tabs(torch_on(name, points, burn.start_s, burn.end_s, stands_s, slowness), burn.unlit):
+            burns += [lit, *(lit.by(torch, f"{name} by torch {torch}", shift(torch)) for torch in burn.torches)]
     path = in_order(burns, burns[-1].at_s[-1] if burns else 0.0)
     expect_short(path, file)
     return path

@@ -187,6 +187,7 @@ def sample_path(path: TimedPath, step_mm: float) -> Samples:
         same = np.ones((count, 1))
         rows.append(np.hstack([at[:, :2], ahead, at[:, 2:], same * number, middle[:, None], same * d_mm]))
     table = np.vstack(rows) if rows else np.zeros((0, 8))
+    table = table[np.argsort(table[:, 4], kind="stable")]  # several torches burn at one time
     return Samples(
         table[:, :2], table[:, 2:4], table[:, 4], table[:, 5].astype(np.int64), table[:, 6], table[:, 7]
     )  # fmt: skip

@@ -19,7 +19,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.display import Picture
-from kerfwise.jobs.inputs import Inputs, Tell, expect_one_torch, silent
+from kerfwise.jobs.inputs import Inputs, Tell, silent
 from kerfwise.jobs.programs import OldJob
 from kerfwise.jobs.simulation import path_of_made, path_of_program
 from kerfwise.models.physics.heat import TimedPath
@@ -203,7 +203,6 @@ def movement_of(inputs: Inputs, plan: Plan, frames: int, points: int) -> dict[st
 
 def _path_of(inputs: Inputs, plan: Plan | str | Path, tell: Tell, trusted: Trusted | None) -> TimedPath:
     metal_of(inputs.profile.heat.material)
-    expect_one_torch(inputs.profile, "the simulation of distortion", plan if isinstance(plan, Plan) else None)
     return path_of_made(plan, inputs, tell, trusted, along_contours=True)
 
 
@@ -273,14 +272,16 @@ def movement(
     part = np.concatenate([np.full(len(line.xy), line.part) for line in lines])
     at_s = _frames(path, frames)
     follow = Followed(xy, part, at_s, np.zeros((len(at_s), len(xy), 2)))
-    errors = errors_of(nest, cut_sheet(nest, path, heat, how, follow))
+    cut = cut_sheet(nest, path, heat, how, follow)
+    errors = errors_of(nest, cut)
     moved = _without_drift(follow)
     x0, y0, x1, y1 = nest.sheet.bounds
     long_mm = max(x1 - x0, y1 - y0)
     most_mm = float(np.hypot(moved[..., 0], moved[..., 1]).max(initial=0.0))
     worst_mm = max((e.max_mm or 0.0 for e in errors), default=0.0)
     ends = np.cumsum([0, *(len(line.xy) for line in lines)])
-    cut_s = {burn.contour: float(burn.at_s[-1]) for burn in path.burns}
+    cut_s = {nest.contours[k].id: at_s for k, at_s in zip(cut.contour.tolist(), cut.at_s.tolist(), strict=True)}
+    cut_s |= {burn.contour: float(burn.at_s[-1]) for burn in path.burns}
     by_part = {error.part: error for error in errors}
     return {
         "sheet": [x0, y0, x1, y1],
@@ -320,8 +321,8 @@ def _points(line: shapely.LineString, count: int) -> Floats:
 
 def _frames(path: TimedPath, count: int) -> Floats:
     """Times of frames: the torch goes on evenly from one to the next, and travels in no time."""
-    starts = np.array([burn.at_s[0] for burn in path.burns])
-    on_s = np.array([burn.seconds for burn in path.burns])
+    starts = np.array([burn.at_s[0] for burn in path.of_first])
+    on_s = np.array([burn.seconds for burn in path.of_first])
     total = np.concatenate([[0.0], np.cumsum(on_s)])
     at = np.linspace(0.0, total[-1], count) if len(on_s) else np.zeros(1)
     k = np.clip(np.searchsorted(total, at, side="right") - 1, 0, max(len(on_s) - 1, 0))
@@ -330,11 +331,11 @@ def _frames(path: TimedPath, count: int) -> Floats:
 
 
 def _torch(path: TimedPath, at_s: Floats) -> Floats:
-    """Where the torch is at each of these times (f, 2)."""
+    """Where the first torch is at each of these times (f, 2)."""
     if not path.burns:
         return np.zeros((len(at_s), 2))
-    when = np.concatenate([burn.at_s for burn in path.burns])
-    xy = np.concatenate([burn.xy for burn in path.burns])
+    when = np.concatenate([burn.at_s for burn in path.of_first])
+    xy = np.concatenate([burn.xy for burn in path.of_first])
     return np.column_stack([np.interp(at_s, when, xy[:, c]) for c in (0, 1)])
 
 

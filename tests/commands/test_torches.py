@@ -323,7 +323,6 @@ def test_commands_that_know_one_torch_say_so(tmp_path: Path) -> None:
     planned(tmp_path)
     nest, where = tmp_path / "nest.json", ("-p", tmp_path / "plant.yaml")
     for words in (
-        ("heat", nest, tmp_path / "nest.nc", *where),
         ("solve", nest, *where, "-o", tmp_path / "x.nc", "--engine", "minizinc"),
         ("solve", nest, *where, "-o", tmp_path / "x.nc", "--lock-from", tmp_path / "nest.plan.json", "--upto", "2"),
         ("solve", nest, *where, "-o", tmp_path / "x.nc", "--dxf", tmp_path / "x.dxf"),
@@ -332,6 +331,25 @@ def test_commands_that_know_one_torch_say_so(tmp_path: Path) -> None:
         done = kerfwise(*words)
         assert (done.code, "knows one torch" in done.err) == (2, True), done.err + done.out
     assert not (tmp_path / "x.nc").exists()
+
+
+@pytest.mark.slow
+def test_heat_and_distortion_know_them(tmp_path: Path) -> None:
+    """By the plan as by its program; a copy that is cut at the same time is as hot, and one torch leaves less."""
+    planned(tmp_path)
+    nest, where = tmp_path / "nest.json", ("-p", tmp_path / "plant.yaml", "--json")
+    found = [json.loads(kerfwise("heat", nest, tmp_path / made, *where).out) for made in ("nest.plan.json", "nest.nc")]
+    peaks = [{part["part"]: part["peak_c"] for part in one["parts"]} for one in found]
+    assert peaks[0] == pytest.approx(peaks[1], abs=1.0)
+    assert peaks[0]["A"] == pytest.approx(peaks[0]["C"], abs=1.0)
+    assert min(peaks[0].values()) > 60, "all of them are cut"
+    off = [
+        json.loads(kerfwise("distort", nest, tmp_path / made, *where, "--grid", "20").out)
+        for made in ("nest.plan.json", "nest.nc")
+    ]
+    errors = [{part["part"]: part["max_mm"] for part in one["parts"]} for one in off]
+    assert errors[0] == pytest.approx(errors[1], abs=0.002)
+    assert min(errors[0].values()) > 0.005, "all of them are cut"
 
 
 @pytest.mark.slow

@@ -159,7 +159,9 @@ def _visits(path: TimedPath, grid: Grid) -> tuple[NDArray[np.float64], NDArray[n
         inside[inside] = grid.metal[i[inside], j[inside]]
         times.append(np.interp(samples, along, burn.at_s)[inside])
         points.append((i * ny + j)[inside])
-    return np.concatenate(times), np.concatenate(points)
+    at_s = np.concatenate(times)
+    order = np.argsort(at_s, kind="stable")  # several torches burn at one time
+    return at_s[order], np.concatenate(points)[order]
 
 
 def spread(excess: Float32s, metal: Bools, conduction: float, retention: float) -> None:

@@ -31,29 +31,42 @@ class TorchOn:
 
     `contour` is the id of what is cut ("" if unknown), `xy` (k, 2) the points of the path, mm, `at_s` (k,) when the
     torch is there, s from the program's start, never falling. Two points in one place are a torch that stands, as it
-    does to pierce. Between points it moves evenly.
+    does to pierce. Between points it moves evenly. A further `torch` than the first burns while the first one does.
     """
 
     contour: str
     xy: Floats
     at_s: Floats
+    torch: int = 1
 
     @property
     def seconds(self) -> float:
         """How long the torch is on."""
         return float(self.at_s[-1] - self.at_s[0]) if len(self.at_s) else 0.0
 
+    def by(self, torch: int, contour: str, away_mm: Point) -> TorchOn:
+        """What another torch burns at the same time, so far from this one."""
+        return TorchOn(contour, self.xy + np.array(away_mm), self.at_s, torch)
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class TimedPath:
-    """The torch-on stretches of a program in order, marks left out, and when the program ends, s."""
+    """The torch-on stretches of a program in order, marks left out, and when the program ends, s.
+
+    What several torches burn at one time follows each other, the first torch first.
+    """
 
     burns: tuple[TorchOn, ...]
     end_s: float
 
     @property
+    def of_first(self) -> tuple[TorchOn, ...]:
+        """What the first torch burns: one stretch after the other."""
+        return tuple(burn for burn in self.burns if burn.torch == 1)
+
+    @property
     def seconds_on(self) -> float:
-        """How long the torch is on altogether."""
+        """How long torches are on altogether, each by itself."""
         return sum(burn.seconds for burn in self.burns)
 
 
@@ -112,7 +125,7 @@ def without_tabs(burn: TorchOn, unlit_mm: Sequence[tuple[float, float]]) -> tupl
         last = int(np.searchsorted(along, high, side="left"))
         begin, end = np.column_stack([np.interp([low, high], along, column) for column in table.T])
         rows = np.vstack([*([begin] if number else []), table[first:last], end])
-        pieces.append(TorchOn(burn.contour, rows[:, :2], rows[:, 2]))
+        pieces.append(TorchOn(burn.contour, rows[:, :2], rows[:, 2], burn.torch))
     return tuple(pieces)
 
 
@@ -122,9 +135,9 @@ def in_order(burns: Sequence[TorchOn], end_s: float) -> TimedPath:
     Raises
     ------
     InputError
-        If one begins before the one before it has ended, by more than 10 ms.
+        If one of the first torch begins before the one before it has ended, by more than 10 ms.
     """
-    for before, after in pairwise(burns):
+    for before, after in pairwise(burn for burn in burns if burn.torch == 1):
         if after.at_s[0] < before.at_s[-1] - 0.01:
             raise InputError(
                 f"{after.contour} begins at {after.at_s[0]:.2f} s, before {before.contour} ends at "

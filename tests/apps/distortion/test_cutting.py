@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import shapely
@@ -12,7 +15,9 @@ from kerfwise.apps.distortion.mesh import make_mesh
 from kerfwise.apps.distortion.part_errors import errors_of
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.physics.heat import TimedPath
+from kerfwise.models.physics.heat import TimedPath, TorchOn
+from kerfwise.models.physics.heat.timed_path import in_order
+from kerfwise.rules.profile.plant_sections import Heat
 
 from .sheets import HEAT, STEEL, around, part, rectangle, sheet_of
 
@@ -145,3 +150,34 @@ def test_wood_has_no_strength_here() -> None:
     wood = HEAT.__class__(material="plywood")
     with pytest.raises(InputError, match="plywood has no modulus"):
         cut_sheet(nest, around(nest, *ORDER), wood, HOW)
+
+
+@pytest.mark.slow
+def test_two_torches_at_one_time_are_as_one_of_twice_the_power_that_is_now_here_now_there() -> None:
+    """In turns of a second; and quite unlike one torch that cuts one plate and then the other."""
+    ring = rectangle(40, 30, 250, 260)
+    nest = sheet_of(rectangle(0, 0, 600, 300), part("A", ring), part("B", [(x + 310, y) for x, y in ring]))
+    (burn,) = around(nest, "A.outer").burns
+    other, end_s = burn.by(2, "B.outer", (310.0, 0.0)), float(burn.at_s[-1])
+    together = rms_mm(nest, in_order([burn, other], end_s))
+    turns = rms_mm(nest, in_turns(burn, other, 1.0), replace(HEAT, absorbed_power_w=2 * HEAT.absorbed_power_w))
+    later = replace(other, at_s=other.at_s + end_s, torch=1)
+    one_by_one = rms_mm(nest, in_order([burn, later], 2 * end_s))
+    assert together == pytest.approx(turns, rel=0.15)
+    assert together["B"] > 1.5 * one_by_one["B"]
+
+
+def rms_mm(nest: Nest, path: TimedPath, heat: Heat = HEAT) -> dict[str, float]:
+    return {error.part: error.rms_mm or 0.0 for error in errors_of(nest, cut_sheet(nest, path, heat, HOW))}
+
+
+def in_turns(one: TorchOn, other: TorchOn, turn_s: float) -> TimedPath:
+    """One torch, twice as fast: what the one burns in so many seconds, then what the other burns in them, and so on."""
+    ends_s, burns = np.arange(one.at_s[0], one.at_s[-1], turn_s).tolist(), []
+    for low_s, high_s in pairwise([*ends_s, float(one.at_s[-1])]):
+        for number, burn in enumerate((one, other)):
+            inner = burn.at_s[(burn.at_s > low_s) & (burn.at_s < high_s)]
+            at_s = np.concatenate([[low_s], inner, [high_s]])
+            xy = np.column_stack([np.interp(at_s, burn.at_s, column) for column in burn.xy.T])
+            burns.append(TorchOn(burn.contour, xy, low_s + (number * (high_s - low_s) + at_s - low_s) / 2))
+    return in_order(burns, float(one.at_s[-1]))

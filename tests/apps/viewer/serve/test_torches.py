@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from kerfwise.tests.apps.viewer.serve.conftest import Look
-from kerfwise.tests.apps.viewer.serve.served import Open, Served
+from kerfwise.tests.apps.viewer.serve.served import Open, Served, Tab
 from kerfwise.tests.commands.test_torches import COPIES, SINGLE, STEP, plant_file
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
@@ -16,11 +16,24 @@ pytestmark = [pytest.mark.slow, pytest.mark.browser]
 NEST = {"format": "kerfwise-nest/1", "sheet": {"width": 360, "height": 280}, "parts": [*COPIES, SINGLE]}
 
 
-def test_two_torches(look: Look, opened: Open, served: Served, tmp_path: Path) -> None:
-    folder = served.server.folder.path / tmp_path.name
+def row(opened: Open, served: Served, name: str) -> Tab:
+    folder = served.server.folder.path / name
     folder.mkdir()
     plant_file(folder)
-    tab = opened(json.dumps(NEST), "row.json", "profile: plant.yaml\n")
+    return opened(json.dumps(NEST), "row.json", "profile: plant.yaml\n")
+
+
+@pytest.mark.full
+def test_the_sheet_moves_by_all_of_them(opened: Open, served: Served, tmp_path: Path) -> None:
+    tab = row(opened, served, tmp_path.name)
+    tab.solved()
+    lines = {line["name"]: line for line in tab.get("bent", plan=1)["lines"]}
+    assert lines["A.outer"]["off"] > 0 < lines["C.outer"]["off"]
+    assert lines["A.outer"]["cut_s"] == lines["C.outer"]["cut_s"] < lines["S.outer"]["cut_s"]
+
+
+def test_two_torches(look: Look, opened: Open, served: Served, tmp_path: Path) -> None:
+    tab = row(opened, served, tmp_path.name)
     at = look(tab)
     at.plan()
     order = at.order
@@ -41,6 +54,13 @@ def test_two_torches(look: Look, opened: Open, served: Served, tmp_path: Path) -
     assert "cut by torch 2" in said
     assert at.page.locator("#hands-chosen button", has_text="pin as").count() == 0
     at.page.wait_for_selector("#why-said h3:has-text('If it were moved')")
+    heat = tab.get("heat", plan=1)
+    assert heat["peak_c"] > heat["ambient_c"] + 40
+    at.page.click("#heat")
+    at.page.wait_for_selector("#heat[aria-pressed=true]")
+    hottest = "app.stages[0].heat.at(app.state.time_s, ...given[0])"
+    assert at.ask(hottest, [70, 20]) == pytest.approx(at.ask(hottest, [70, 20 + STEP]), abs=2)  # A, and C beside it
+    assert at.ask(hottest, [70, 20]) > heat["ambient_c"] + 20 > at.ask(hottest, [300, 70])
     at.panel("nc")
     at.page.wait_for_selector("#nc .row.now")
     at.drag([at.row("S.outer"), at.row("A.outer")])

@@ -30,6 +30,12 @@ def rounds(corners: Sequence[Points], feed_mm_s: float, pause_s: float = 1.0) ->
     return in_order(burns, now_s)
 
 
+def beside(path: TimedPath, away_mm: tuple[float, float]) -> TimedPath:
+    """What two torches burn that are so far apart: the path, and the same beside it at the same time."""
+    burns = [one for burn in path.burns for one in (burn, burn.by(2, f"{burn.contour}'", away_mm))]
+    return in_order(burns, path.end_s)
+
+
 def circle(x: float, y: float, r: float, points: int = 90) -> Points:
     """Corners of a polygon that is nearly a circle."""
     turns = (math.tau * k / points for k in range(points))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,12 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.models.physics.heat.grid import make_grid
+from kerfwise.models.physics.heat.grid import HeatRun, make_grid
 from kerfwise.models.physics.heat.physical import SheetSimulation, run_physical, time_step_s
-from kerfwise.models.physics.heat.timed_path import events_of
+from kerfwise.models.physics.heat.simulate import run_logical
+from kerfwise.models.physics.heat.timed_path import events_of, in_order
 from kerfwise.rules.case import nest
 from kerfwise.rules.profile.plant_sections import MATERIALS, Heat
-from kerfwise.tests.models.physics.heat.paths import along, circle, rounds
+from kerfwise.tests.models.physics.heat.paths import along, beside, circle, rounds
 from kerfwise.tests.tools.amount import examples
 
 STEEL = MATERIALS["carbon-steel"]
@@ -119,3 +121,29 @@ def test_steps_keep_their_results_whatever_the_looks_between() -> None:
     assert np.array_equal(plain.peak_c, looked.peak_c)
     assert np.array_equal(plain.above_s, looked.above_s)
     assert len(seen) > 5
+
+
+def test_two_torches_put_in_at_one_time_what_each_of_them_does() -> None:
+    """Nothing is cut by a torch that stands, so that temperatures add up."""
+    heat, away = replace(NO_LOSS, absorbed_power_w=2000.0), (120.0, 40.0)
+    grid, one = make_grid(nest(400, 300), heat.grid_mm), along([(120.0, 120.0)], 1.0, 9.0, 8.0)
+    other = along([(120.0 + away[0], 120.0 + away[1])], 1.0, 9.0, 8.0)
+    after = []
+    for path in (one, other, beside(one, away)):
+        sheet = SheetSimulation(grid, heat, 6.0)
+        sheet.run(events_of(path, grid), 20.0)
+        after.append(sheet.temperature_c() - heat.ambient_c)
+    assert after[2].max() > 20
+    assert np.abs(after[0] + after[1] - after[2]).max() < 1e-4 * after[2].max()
+
+
+@pytest.mark.parametrize("model", [run_physical, run_logical])
+def test_two_torches_far_apart_leave_what_each_leaves_by_itself(model: Callable[..., HeatRun]) -> None:
+    heat, ring = Heat(absorbed_power_w=2000.0, loss_w_m2k=0.0, grid_mm=5.0), circle(100, 100, 40)
+    grid, path, away = make_grid(nest(1200, 200), 5.0), rounds([ring, circle(100, 100, 70)], 10.0), (1000.0, 0.0)
+    both, left, right = (
+        model(grid, some, heat, 6.0, None).peak_c
+        for some in (beside(path, away), path, in_order([burn.by(1, burn.contour, away) for burn in path.burns], 0.0))
+    )
+    assert left.max() > 40
+    assert both == pytest.approx(np.maximum(left, right), abs=0.5)
