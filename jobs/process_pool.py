@@ -160,8 +160,7 @@ def _serve(way: Connection, work: Work[Piece, Made], cores: list[int]) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the first one answers
     threading.Thread(target=end_with_parent, daemon=True).start()
     keep_to(cores)
-    warnings.showwarning = _noted
-    warnings.simplefilter("always", Advice)
+    show_warnings_as_notes()
     with contextlib.suppress(EOFError, OSError):
         while True:
             piece: Piece = way.recv()
@@ -173,6 +172,12 @@ def _serve(way: Connection, work: Work[Piece, Made], cores: list[int]) -> None:
             except Exception as error:
                 answer = _sendable(error)
             way.send(answer)
+
+
+def show_warnings_as_notes() -> None:
+    """Have this process write warnings as the command line does."""
+    warnings.showwarning = _noted
+    warnings.simplefilter("always", Advice)
 
 
 def _noted(message: Warning | str, category: type[Warning], *where: object, **more: object) -> None:

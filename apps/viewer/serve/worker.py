@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 import traceback
+import warnings
 from collections.abc import Callable, Sequence
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
@@ -18,10 +19,10 @@ from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from typing import Any, Literal
 
-from kerfwise.encoder.errors import InputError, KerfwiseError
+from kerfwise.encoder.errors import Advice, InputError, KerfwiseError
 from kerfwise.encoder.files import read_only_within
 from kerfwise.encoder.text import escape_text
-from kerfwise.jobs.process_pool import start_quietly
+from kerfwise.jobs.process_pool import show_warnings_as_notes, start_quietly
 
 from .plan_request import STOP, Questions
 
@@ -167,6 +168,7 @@ def answer_questions(role: str, way: Connection, stop: Connection, readable: Seq
     if hasattr(os, "setpgid"):
         os.setpgid(0, 0)  # it ends with all that it begins
     threading.Thread(target=_end_all_with_parent, daemon=True).start()
+    show_few_notes()
     if readable:
         read_only_within(readable)
     asking = Questions(way, stop)
@@ -183,6 +185,12 @@ def answer_questions(role: str, way: Connection, stop: Connection, readable: Seq
             except Exception as error:  # the server lives on, whatever went wrong
                 reply = ("refused", error_as_json(error))
             way.send(reply)
+
+
+def show_few_notes() -> None:
+    """Have this process write warnings as notes, and none on what is still going on: pages say that."""
+    show_warnings_as_notes()
+    warnings.filterwarnings("ignore", ".*, still going$", Advice)
 
 
 def _end_all_with_parent() -> None:
