@@ -20,6 +20,8 @@ from kerfwise.encoder.small_holes import diameter_under
 from kerfwise.encoder.text import join_names
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.nc.program import ARCS_REFITTED
+from kerfwise.rules.options.yaml_positions import wrong_at
+from kerfwise.rules.profile.key_places import where_said
 from kerfwise.rules.profile.load import DEFAULT, load_profile
 from kerfwise.rules.profile.profile import Profile
 
@@ -295,14 +297,16 @@ def refit_as_made(given_mm: float | None, plan: Plan | str | Path | None, profil
     return said_mm
 
 
-def expect_one_torch(profile: Profile, what: str, plan: Plan | None = None) -> None:
-    """Refuse what knows one torch only, where the profile has several, or a plan uses them.
+def expect_one_torch(profile: Profile, what: str, plan: Plan | None = None, file: str = "") -> None:
+    """Refuse what knows one torch only, where the profile has several, or a plan, read from `file`, uses them.
 
-    Raises InputError that says so.
+    Raises InputError that says so, with the place.
     """
-    if profile.machine.torches.several or (plan is not None and any(c.cut.torch > 1 for c in plan.cuts)):
-        whose = "the profile has" if profile.machine.torches.several else "the plan uses"
-        raise InputError(f"{what} knows one torch, and {whose} several (machine.torches)", file=profile.file or None)
+    if profile.machine.torches.several:
+        text = f"{what} knows one torch, and the profile has several (machine.torches)"
+        raise wrong_at(where_said(profile, ("machine", "torches")), text, profile.file)
+    if plan is not None and any(c.cut.torch > 1 for c in plan.cuts):
+        raise InputError(f"{what} knows one torch, and the plan uses several", file=file or None)
 
 
 def of_first_torch(plan: Plan) -> Plan:

@@ -44,11 +44,11 @@ def already_cut(
             "stopped, and how many of its cuts are cut (--redo-last, in Python redo_last=True: the last broke off); "
             "OLD alone is for locks that call a cut by its number there, such as '#7 first'"
         )
-    expect_one_torch(inputs.profile, "a program that goes on after a stop", old if isinstance(old, Plan) else None)
+    expect_one_torch(inputs.profile, "a program that goes on after a stop")
     file = "" if isinstance(old, Plan) else str(old)
     if isinstance(old, Plan) or is_plan_file(old):
         plan = old if isinstance(old, Plan) else read_plan(old)
-        expect_one_torch(inputs.profile, "a program that goes on after a stop", plan)
+        expect_one_torch(inputs.profile, "a program that goes on after a stop", plan, file)
         if plan.nest.get("sha256") != inputs.nest.sha256:
             tell(f"the nest is not the one {file or 'the old plan'} was made with (its sha256 differs)")
         for text in damaged(plan, inputs):

@@ -218,10 +218,13 @@ def path_of_made(
         if has_bevels and along_contours:
             raise InputError("how contours with bevels move is simulated from the plan: give that", file=source)
         return path_of_program(read_program_of(source, inputs, tell, trusted), source, inputs.profile)
-    plan = source if isinstance(source, Plan) else read_plan(source)
-    path = path_of_plan(plan, inputs.nest, inputs.profile, along_contours)
+    plan, file = (source, None) if isinstance(source, Plan) else (read_plan(source), source)
     expect_plan_of(plan, inputs.nest)
-    expect_short(path, None if isinstance(source, Plan) else source)
+    try:
+        path = path_of_plan(plan, inputs.nest, inputs.profile, along_contours)
+    except InputError as error:
+        raise InputError(f"the plan is damaged: {error.message}", file=file, details=error.details) from None
+    expect_short(path, file)
     for text in differences(plan, inputs):
         tell(text)
     return path
@@ -354,7 +357,7 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile, along_contours: bool 
     InputError if the plan was made from another nest, or its times are missing or contradict each other.
     """
     if plan.cuts and not any(planned.cut.end_s for planned in plan.cuts):
-        raise InputError("the plan does not say when its contours are cut: start_s and end_s are needed for heat")
+        raise InputError("it does not say when its contours are cut: start_s and end_s are needed for heat")
     if not along_contours and any(planned.passes for planned in plan.cuts):
         return path_of_program(read_program(write_program(plan, nest, profile), nest, profile), None, profile)
     law = profile.corner_feed()

@@ -113,7 +113,9 @@ def _types_of(
                 wrong.append(error)
     if len(wrong) > 1:
         head = f"{len(wrong)} of {len(rows)} parts cannot be used (--skip-bad nests the others)"
-        raise InputError(head, details=tuple(map(_in_a_line, wrong)))
+        listed = {row.place.file for row, _ in rows if row.place is not None}
+        named = ", ".join(sorted(listed or {str(error.file) for error in wrong if error.file}))
+        raise InputError(f"{named}: {head}" if named else head, details=tuple(map(_in_a_line, wrong)))
     if wrong:
         raise wrong[0]
     if questions and not (skip_bad and found):

@@ -18,15 +18,14 @@ from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.yaml_positions import (
-    Place,
     Problems,
     compose,
     deepest,
     entries,
-    place_in,
     with_value,
     wrong_at,
 )
+from kerfwise.rules.profile.key_places import where_said
 from kerfwise.rules.profile.plant_sections import MACHINE_WAITS, PierceDwell
 from kerfwise.rules.profile.technique import Technique
 
@@ -199,7 +198,7 @@ def fitting_dialect(profile: Technique) -> Dialect:
     if machine.process not in dialect.processes and not machine.accept_dialect:
         others = [name for name in dialect_names() if machine.process in load_dialect(name).processes]
         raise wrong_at(
-            _said_at(profile, ("machine", "dialect"), ("machine", "process")),
+            where_said(profile, ("machine", "dialect"), ("machine", "process")),
             f"machine.dialect: '{machine.dialect}' is for {' and '.join(dialect.processes)}, the machine's process is "
             f"{machine.process}: its programs would not run, or would run wrong. Say dialect: {' or '.join(others)}, "
             "correct machine.process, or say accept_dialect: true to have it all the same",
@@ -211,26 +210,26 @@ def fitting_dialect(profile: Technique) -> Dialect:
         new = f"write a copy (kerfwise dialects new mine --like {machine.dialect}), state yours there"
         where = "state yours in it" if machine.dialect.endswith((".yaml", ".yml")) else new
         raise wrong_at(
-            _said_at(profile, ("machine", "dialect")),
+            where_said(profile, ("machine", "dialect")),
             f"machine.dialect: these words are the choice of whoever built the machine, and '{dialect.name}' can "
             f"only guess ({words}): {where} and delete builders_choice, or say accept_dialect: true if your machine "
             "has just these",
         )
     if profile.cuts.pierce_pass and pierce_dwell_of(profile, dialect) == "machine":
         raise wrong_at(
-            _said_at(profile, ("cuts", "pierce_pass")),
+            where_said(profile, ("cuts", "pierce_pass")),
             f"cuts.pierce_pass: under the dialect '{dialect.name}' the machine waits at every start, also where a cut "
             "begins at a hole: say machine: {pierce_dwell: program} and set the machine's own delay to 0",
         )
     if profile.cuts.pierce_pass and (limit := profile.temperature_limit()) is not None and limit.dwells:
         raise wrong_at(
-            _said_at(profile, ("cuts", "pierce_pass")),
+            where_said(profile, ("cuts", "pierce_pass")),
             "cuts.pierce_pass: where the torch waits for metal to cool (dwells) holes are pierced one by one: say "
             "pierce_pass: off, or dwells: false",
         )
     if (own_s := own_wait_s(dialect)) > machine.pierce_time_s:
         raise wrong_at(
-            _said_at(profile, ("machine", "pierce_time"), ("machine", "dialect"), ("name",)),
+            where_said(profile, ("machine", "pierce_time"), ("machine", "dialect"), ("name",)),
             f"machine.pierce_time: it is {machine.pierce_time_s:g} s, and the dialect '{dialect.name}' waits {own_s:g} "
             "s by itself where the torch starts (torch_on): give the whole time from where the torch stands to where "
             "it moves",
@@ -238,46 +237,46 @@ def fitting_dialect(profile: Technique) -> Dialect:
     if machine.torches.several and not (dialect.torch_select and dialect.torch_deselect):
         others = [name for name in dialect_names() if load_dialect(name).torch_select]
         raise wrong_at(
-            _said_at(profile, ("machine", "torches"), ("machine", "dialect")),
+            where_said(profile, ("machine", "torches"), ("machine", "dialect")),
             f"machine.torches: the dialect '{dialect.name}' has no words for a second torch (torch_select, "
             f"torch_deselect): take {' or '.join(others)}, give a copy of it these words, or say count: 1",
         )
     if dialect.kerf is not None and profile.cuts.links.longest_mm > 0:
         raise wrong_at(
-            _said_at(profile, ("cuts", "links"), ("machine", "dialect")),
+            where_said(profile, ("cuts", "links"), ("machine", "dialect")),
             f"cuts.links: the dialect '{dialect.name}' has the control add the kerf to each contour, and a link leads "
             "from one to the next with the torch on: say links: off, or leave kerf out of the dialect",
         )
     bevel = profile.cuts.bevel
     if bevel.head == "block" and not (dialect.torch_select and dialect.torch_deselect):
         raise wrong_at(
-            _said_at(profile, ("cuts", "bevel"), ("machine", "dialect")),
+            where_said(profile, ("cuts", "bevel"), ("machine", "dialect")),
             f"cuts.bevel.head: the dialect '{dialect.name}' has no words for several torches (torch_select, "
             "torch_deselect), as a block has: take linuxcnc, give a copy of it these words, or say head: tilting",
         )
     if bevel.head is not None and not {bevel.tilt, bevel.turn} <= {*dialect.rotary}:
         others = [name for name in dialect_names() if {bevel.tilt, bevel.turn} <= {*load_dialect(name).rotary}]
         raise wrong_at(
-            _said_at(profile, ("cuts", "bevel"), ("machine", "dialect")),
+            where_said(profile, ("cuts", "bevel"), ("machine", "dialect")),
             f"cuts.bevel: the dialect '{dialect.name}' has no words for axes that tilt ({bevel.tilt}) and turn "
             f"({bevel.turn}) a torch: take {' or '.join(others)}, or say head: off",
         )
     tabs = profile.tabs()
     if tabs is not None and not tabs.at_end and dialect.rapid == dialect.line:
         raise wrong_at(
-            _said_at(profile, ("machine", "dialect")),
+            where_said(profile, ("machine", "dialect")),
             f"machine.dialect: over a tab the torch goes off and moves on at its feed, and '{dialect.name}' has the "
             "same words for that as for travel, so that nobody could tell tabs from ends of cuts: take another "
             "dialect, or no tabs",
         )
     if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
-        raise wrong_at(_said_at(profile, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
+        raise wrong_at(where_said(profile, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
     if profile.kerf_starts and pierce_dwell_of(profile, dialect) == "machine":
-        place = _said_at(profile, ("machine", "kerf_start"), ("cuts", "common"), ("cuts", "snake"), ("cuts", "split"))
+        place = where_said(profile, ("machine", "kerf_start"), ("cuts", "common"), ("cuts", "snake"), ("cuts", "split"))
         raise wrong_at(place, f"machine.kerf_start: {MACHINE_WAITS}")
     if profile.material.power is not None and dialect.powers is None and dialect.control == "grbl":
         raise wrong_at(
-            _said_at(profile, ("material", "power"), ("material", "chart"), ("machine", "dialect")),
+            where_said(profile, ("material", "power"), ("material", "chart"), ("machine", "dialect")),
             f"material.power: the dialect '{dialect.name}' has S words of its own: write {{power}}, {{pierce_power}} "
             "and {mark_power} in their place and give it the key powers, as the dialect grbl has them",
         )
@@ -296,7 +295,7 @@ def expect_words(nest: Nest, profile: Technique, dialect: Dialect, resumes: bool
     comments.
     """
     marks = [contour.id for contour in profile.as_cut(nest).contours if contour.kind == "mark"]
-    place = _said_at(profile, ("machine", "dialect"))
+    place = where_said(profile, ("machine", "dialect"))
     edged = next((contour.id for contour in (nest.drawn or nest).contours if contour.edge_bevels), None)
     if edged is not None and dialect.turning is not None:
         others = [name for name in dialect_names() if (d := load_dialect(name)).rotary and d.turning is None]
@@ -326,13 +325,13 @@ def expect_words(nest: Nest, profile: Technique, dialect: Dialect, resumes: bool
         and powers["mark_power"] * 2 > powers["power"]
     ):
         raise wrong_at(
-            _said_at(profile, ("material", "mark_power"), ("material", "power"), ("material", "chart")),
+            where_said(profile, ("material", "mark_power"), ("material", "power"), ("material", "chart")),
             f"material.mark_power: S{powers['mark_power']} is more than half of S{powers['power']}, which cuts, and "
             "might cut too: give material.mark_power, a smaller share of full power",
         )
     if resumes and profile.cuts.pierce_pass:
         raise wrong_at(
-            _said_at(profile, ("cuts", "pierce_pass")),
+            where_said(profile, ("cuts", "pierce_pass")),
             "cuts.pierce_pass: a program that goes on after a stop cannot have a pierce pass, for nobody knows which "
             "holes are there: say pierce_pass: off for the rest",
         )
@@ -342,12 +341,6 @@ def expect_words(nest: Nest, profile: Technique, dialect: Dialect, resumes: bool
             f"machine.dialect: '{dialect.name}' knows no comments, in which a program that goes on after a stop tells "
             "what is cut: take another dialect",
         )
-
-
-def _said_at(profile: Technique, *paths: tuple[str, ...]) -> Place | None:
-    """Where the profile's file has the first of these keys that it has, else where one that it is based on has."""
-    files = (profile.file, *reversed(profile.read_from))
-    return next((place for file in files if file and (place := place_in(file, *paths)) is not None), None)
 
 
 # The S words of a laser: a profile's, or its chart's, powers as the control spells them.
@@ -416,7 +409,7 @@ def plant_words(dialect: Dialect, profile: Technique | None = None) -> Mapping[s
     for key, block in _material_blocks(dialect):
         for name in (name for name in PLANT if f"{{{name}}}" in block and not words[name]):
             raise wrong_at(
-                _said_at(profile, ("material", "chart"), ("material", "row"), ("machine", "dialect")),
+                where_said(profile, ("material", "chart"), ("material", "row"), ("machine", "dialect")),
                 f"material.{name}: the dialect '{dialect.name}' writes it ({key}: {block}), and neither the profile "
                 f"nor its chart's row says it: give material.{name}",
             )

@@ -28,10 +28,10 @@ class Place:
         return f"{self.file}:{self.line}:{self.column}"
 
 
-def wrong_at(place: Place | None, message: str) -> InputError:
-    """The error for a mistake that stands at a place, where that is known."""
+def wrong_at(place: Place | None, message: str, file: str = "") -> InputError:
+    """The error for a mistake that stands at a place, where that is known, else somewhere in a file."""
     if place is None:
-        return InputError(message)
+        return InputError(message, file=file or None)
     return InputError(message, file=place.file, line=place.line, column=place.column)
 
 

@@ -1,4 +1,4 @@
-"""Where a profile has a key that stands in the wrong place, or is misspelt."""
+"""Where a profile says something, and where a key belongs that stands in the wrong place, or is misspelt."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from typing import Any
 
 from kerfwise.encoder.text import nearest
 from kerfwise.rules.options.option import Members, options_of
+from kerfwise.rules.options.yaml_positions import Place, place_in
 from kerfwise.rules.rule import Rule
 
 from .sections import SECTIONS
+from .values import ProfileValues
 
 _MOST_PLACES = 4
 """Places that a message names for a key."""
@@ -88,3 +90,9 @@ def _groups(name: str, owner: Any, key: str, deep: bool) -> Iterator[str]:
 
 def _has(owner: Any, key: str) -> bool:
     return any(one.key == key for one in options_of(owner))
+
+
+def where_said(profile: ProfileValues, *paths: tuple[str, ...]) -> Place | None:
+    """Where the profile's file has the first of these keys that it has, else where one that it is based on has."""
+    files = (profile.file, *reversed(profile.read_from))
+    return next((place for file in files if file and (place := place_in(file, *paths)) is not None), None)

@@ -77,3 +77,8 @@ def test_wrong_use_is_said(made: Path, tmp_path: Path) -> None:
     (tmp_path / "untimed.json").write_text(json.dumps(untimed))
     done = kerfwise("heat", NEST, tmp_path / "untimed.json")
     assert (done.code, "does not say when its contours are cut" in done.err) == (2, True)
+    late = json.loads((made / "e.json").read_text())
+    late["cuts"][2]["end_s"] += 50
+    (tmp_path / "late.json").write_text(json.dumps(late))
+    done = kerfwise("heat", NEST, tmp_path / "late.json")
+    assert (done.code, f"{tmp_path / 'late.json'}: the plan is damaged: " in done.err) == (2, True), done.err

@@ -142,7 +142,7 @@ def test_what_cannot_be_read_or_cut_is_found_before_anything_is_laid(shop: Path)
     assert [row["part"] for row in table["left_out"]] == ["plate", "broken.dxf", "missing", "pinhole"]
     Path("list.csv").write_text("file;qty\nplate;2\nbroken.dxf;1\nmissing;1\n")
     code, _, err = nested("list.csv", "--sheet", "400x300", "-p", "plant.yaml")
-    assert (code, "2 of 3 parts cannot be used (--skip-bad nests the others)" in err) == (2, True)
+    assert (code, "list.csv: 2 of 3 parts cannot be used (--skip-bad nests the others)" in err) == (2, True)
     code, _, err = nested("pinhole.json", "--sheet", "400x300")
     assert (code, "1 of 1 parts cannot be nested or cut" in err) == (2, True)
 
