@@ -46,10 +46,12 @@ from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.read_program import Trusted
 from kerfwise.postproc.check.stated import with_state
 from kerfwise.postproc.clock import cost_of_plan, with_times
-from kerfwise.postproc.dialects import expect_words
+from kerfwise.postproc.dialects import dialect_misfits, expect_words
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan, judge, report_of
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
+from kerfwise.rules.options.yaml_positions import raise_together
+from kerfwise.rules.profile.contradictions import misfits
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import TemperatureLimit
 from kerfwise.rules.statements import Statement
@@ -144,6 +146,8 @@ def plan_nest(
         once more, or in what is left of `whole`, unless the user has interrupted.
     """
     nest, profile = inputs.nest, lock_broken_cut_first(inputs.profile, already)
+    if wrong := [*dialect_misfits(profile)]:
+        raise_together((*wrong, *misfits(profile, nest, bool(already))))
     dialect = trusted_dialect(profile)  # a file of the plant's own may be wrong: better said now than at the end
     expect_words(nest, profile, dialect, resumes=bool(already))
     method.expect_fits(profile)

@@ -40,14 +40,12 @@ from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.models.jit import running_s
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj
-from kerfwise.postproc.dialects import fitting_dialect
+from kerfwise.postproc.dialects import dialect_misfits
 from kerfwise.rules.lock import check_locks
+from kerfwise.rules.options.yaml_positions import raise_together
 from kerfwise.rules.profile.contradictions import (
     common_cut_problems,
-    expect_bevels,
-    expect_common_cuts,
-    expect_snakes,
-    expect_torches,
+    misfits,
 )
 from kerfwise.rules.profile.profile import SHORTEST_SHARED_MM, Profile
 from kerfwise.rules.registry import RULES
@@ -129,10 +127,7 @@ def _measured(nest: Nest, profile: Profile, already: AlreadyCut, limit: JobLimit
     amount(len(nest.contours), "contour", "contours")
     nest = profile.as_cut(nest)
     check_locks(profile.locks, nest)
-    expect_common_cuts(profile)
-    expect_snakes(profile, nest)
-    expect_bevels(profile, nest, bool(already))
-    expect_torches(profile, bool(already))
+    raise_together(misfits(profile, nest, bool(already)))
     if unknown := sorted(already.contours - nest.index.keys()):
         had = f"the plan says of contours that {nest.file or 'the nest'} does not have that they are cut already"
         raise InputError(f"{had}: it was made from another nest", details=tuple(unknown))
@@ -253,7 +248,8 @@ def _with_shared_edges(profile: Profile) -> tuple[str, Profile, str]:
     """The answer that has shared edges cut once, the profile with it, and all that it then has to say, as YAML."""
     keys = f"cuts: {{common: {{shortest: {SHORTEST_SHARED_MM:g} mm, good_side: any, accept_loss: true}}}}"
     wanted = _answered(profile, "once")
-    if not any(common_cut_problems(wanted.cuts.common, wanted.machine, wanted.material)) and _dialect_fits(wanted):
+    wrong = common_cut_problems(wanted.cuts.common, wanted.machine, wanted.material)
+    if not (any(wrong) or any(dialect_misfits(wanted))):
         return "once", wanted, keys
     return "pierced", _answered(profile, "pierced"), f"{keys}, machine: {{kerf_start: false}}"
 
@@ -261,14 +257,6 @@ def _with_shared_edges(profile: Profile) -> tuple[str, Profile, str]:
 def _answered(profile: Profile, answer: str) -> Profile:
     answers = with_answers(profile.drawing.answers, [(SHARED_EDGES, answer)])
     return replace(profile, drawing=replace(profile.drawing, answers=answers)).as_answered()
-
-
-def _dialect_fits(profile: Profile) -> bool:
-    try:
-        fitting_dialect(profile)
-    except InputError:
-        return False
-    return True
 
 
 def _cut_alike(

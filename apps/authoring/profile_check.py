@@ -6,9 +6,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.postproc.dialects import dialect_misfits
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from kerfwise.rules.options.option import Members, options_of
-from kerfwise.rules.profile.contradictions import expect_bevels, expect_common_cuts, expect_snakes, expect_torches
+from kerfwise.rules.options.yaml_positions import raise_together
+from kerfwise.rules.profile.contradictions import misfits
 from kerfwise.rules.profile.load import SHIPPED, load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.profile_yaml import Provenance
@@ -25,11 +27,8 @@ def expect_plannable(profile: Profile) -> None:
     Raises InputError if programs of its dialect would not run, options contradict each other, or a rule's model file is
     no model.
     """
+    raise_together((*dialect_misfits(profile), *misfits(profile)))
     trusted_dialect(profile)
-    expect_common_cuts(profile)
-    expect_snakes(profile)
-    expect_bevels(profile)
-    expect_torches(profile)
     _compile_models(profile)
 
 

@@ -12,7 +12,8 @@ from kerfwise.postproc.check.reader.program import NcProgram, expand_torches
 from kerfwise.postproc.check.reader.read_program import Trusted, origin_warning, read_on_machine, with_program_origin
 from kerfwise.rules.judging.pierces import starts_in_older_kerfs
 from kerfwise.rules.judging.violation import Violation
-from kerfwise.rules.profile.contradictions import expect_bevels
+from kerfwise.rules.options.yaml_positions import raise_together
+from kerfwise.rules.profile.contradictions import bevel_misfits
 from kerfwise.rules.profile.sections import Scrap
 from kerfwise.rules.profile.technique import Technique
 
@@ -164,7 +165,7 @@ def check_program(
     judged_by = judged_nest(nest, profile)
     nest = judged_by.nest
     profile = profile if planned is None else profile.at_origin(planned.origin)
-    expect_bevels(profile, nest)
+    raise_together(bevel_misfits(profile, nest))
     program = read_on_machine(nc_text, nest, profile, file, trusted)
     late = list(wrong_times(program, profile, None if planned is None else planned.time_s))
     bevels = judge_bevels(nest, program, profile, judged_by.shares)

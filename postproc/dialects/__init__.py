@@ -3,6 +3,7 @@
 from .blocks import LineNumbers
 from .dialect import ControlName, Dialect
 from .load import (
+    dialect_misfits,
     dialect_names,
     dialect_text,
     expect_words,
@@ -18,6 +19,7 @@ __all__ = [
     "ControlName",
     "Dialect",
     "LineNumbers",
+    "dialect_misfits",
     "dialect_names",
     "dialect_text",
     "expect_words",

@@ -22,6 +22,7 @@ from kerfwise.rules.options.yaml_positions import (
     compose,
     deepest,
     entries,
+    raise_together,
     with_value,
     wrong_at,
 )
@@ -189,98 +190,118 @@ def new_dialect_text(name: str, like: str) -> str:
 def fitting_dialect(profile: Technique) -> Dialect:
     """The dialect of the profile's machine.
 
-    Raises InputError if there is none of that name, if it is for another process and the profile does not accept that,
-    or if the profile asks for edge starts, or a pierce pass, of a control that waits at every start, or for a pierce
-    pass where the torch waits for metal to cool: with the place in the profile's file.
+    Raises InputError if there is none of that name, or for all that `dialect_misfits` finds: with the places in the
+    profile's file.
+    """
+    raise_together(dialect_misfits(profile))
+    return load_dialect(profile.machine.dialect)
+
+
+def dialect_misfits(profile: Technique) -> Iterator[InputError]:
+    """What a profile asks for that its dialect cannot say, or that its control does otherwise.
+
+    The dialect may be for another process, and the profile does not accept that; words may be the choice of whoever
+    built the machine; techniques may need words that it does not have. Raises InputError if there is no such dialect.
     """
     machine = profile.machine
     dialect = load_dialect(machine.dialect)
     if machine.process not in dialect.processes and not machine.accept_dialect:
         others = [name for name in dialect_names() if machine.process in load_dialect(name).processes]
-        raise wrong_at(
+        yield wrong_at(
             where_said(profile, ("machine", "dialect"), ("machine", "process")),
             f"machine.dialect: '{machine.dialect}' is for {' and '.join(dialect.processes)}, the machine's process is "
             f"{machine.process}: its programs would not run, or would run wrong. Say dialect: {' or '.join(others)}, "
             "correct machine.process, or say accept_dialect: true to have it all the same",
         )
+        return  # of another process's words, what they cannot do says nothing
     waits = pierce_dwell_of(profile, dialect) == "program"
     chosen = [key for key in dialect.builders_choice if key != "dwell" or waits]
     if chosen and not machine.accept_dialect:
         words = "; ".join(f"{key}: {', '.join(getattr(dialect, key))}" for key in chosen)
         new = f"write a copy (kerfwise dialects new mine --like {machine.dialect}), state yours there"
         where = "state yours in it" if machine.dialect.endswith((".yaml", ".yml")) else new
-        raise wrong_at(
+        yield wrong_at(
             where_said(profile, ("machine", "dialect")),
             f"machine.dialect: these words are the choice of whoever built the machine, and '{dialect.name}' can "
             f"only guess ({words}): {where} and delete builders_choice, or say accept_dialect: true if your machine "
             "has just these",
         )
+    yield from _misfit_starts(profile, dialect)
+    yield from _misfit_techniques(profile, dialect)
+
+
+def _misfit_starts(profile: Technique, dialect: Dialect) -> Iterator[InputError]:
+    """Starts of cuts that are not as the control, or the torch, makes them."""
     if profile.cuts.pierce_pass and pierce_dwell_of(profile, dialect) == "machine":
-        raise wrong_at(
+        yield wrong_at(
             where_said(profile, ("cuts", "pierce_pass")),
             f"cuts.pierce_pass: under the dialect '{dialect.name}' the machine waits at every start, also where a cut "
             "begins at a hole: say machine: {pierce_dwell: program} and set the machine's own delay to 0",
         )
     if profile.cuts.pierce_pass and (limit := profile.temperature_limit()) is not None and limit.dwells:
-        raise wrong_at(
+        yield wrong_at(
             where_said(profile, ("cuts", "pierce_pass")),
             "cuts.pierce_pass: where the torch waits for metal to cool (dwells) holes are pierced one by one: say "
             "pierce_pass: off, or dwells: false",
         )
-    if (own_s := own_wait_s(dialect)) > machine.pierce_time_s:
-        raise wrong_at(
+    pierce_s, own_s = profile.machine.pierce_time_s, own_wait_s(dialect)
+    if own_s > pierce_s:
+        yield wrong_at(
             where_said(profile, ("machine", "pierce_time"), ("machine", "dialect"), ("name",)),
-            f"machine.pierce_time: it is {machine.pierce_time_s:g} s, and the dialect '{dialect.name}' waits {own_s:g} "
+            f"machine.pierce_time: it is {pierce_s:g} s, and the dialect '{dialect.name}' waits {own_s:g} "
             "s by itself where the torch starts (torch_on): give the whole time from where the torch stands to where "
             "it moves",
         )
-    if machine.torches.several and not (dialect.torch_select and dialect.torch_deselect):
+    if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
+        yield wrong_at(where_said(profile, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
+    if profile.kerf_starts and pierce_dwell_of(profile, dialect) == "machine":
+        place = where_said(profile, ("machine", "kerf_start"), ("cuts", "common"), ("cuts", "snake"), ("cuts", "split"))
+        yield wrong_at(place, f"machine.kerf_start: {MACHINE_WAITS}")
+
+
+def _misfit_techniques(profile: Technique, dialect: Dialect) -> Iterator[InputError]:
+    """Torches, links, bevels, tabs and powers that the dialect has no words for."""
+    if profile.machine.torches.several and not (dialect.torch_select and dialect.torch_deselect):
         others = [name for name in dialect_names() if load_dialect(name).torch_select]
-        raise wrong_at(
+        yield wrong_at(
             where_said(profile, ("machine", "torches"), ("machine", "dialect")),
             f"machine.torches: the dialect '{dialect.name}' has no words for a second torch (torch_select, "
             f"torch_deselect): take {' or '.join(others)}, give a copy of it these words, or say count: 1",
         )
     if dialect.kerf is not None and profile.cuts.links.longest_mm > 0:
-        raise wrong_at(
+        yield wrong_at(
             where_said(profile, ("cuts", "links"), ("machine", "dialect")),
             f"cuts.links: the dialect '{dialect.name}' has the control add the kerf to each contour, and a link leads "
             "from one to the next with the torch on: say links: off, or leave kerf out of the dialect",
         )
     bevel = profile.cuts.bevel
     if bevel.head == "block" and not (dialect.torch_select and dialect.torch_deselect):
-        raise wrong_at(
+        yield wrong_at(
             where_said(profile, ("cuts", "bevel"), ("machine", "dialect")),
             f"cuts.bevel.head: the dialect '{dialect.name}' has no words for several torches (torch_select, "
             "torch_deselect), as a block has: take linuxcnc, give a copy of it these words, or say head: tilting",
         )
     if bevel.head is not None and not {bevel.tilt, bevel.turn} <= {*dialect.rotary}:
         others = [name for name in dialect_names() if {bevel.tilt, bevel.turn} <= {*load_dialect(name).rotary}]
-        raise wrong_at(
+        yield wrong_at(
             where_said(profile, ("cuts", "bevel"), ("machine", "dialect")),
             f"cuts.bevel: the dialect '{dialect.name}' has no words for axes that tilt ({bevel.tilt}) and turn "
             f"({bevel.turn}) a torch: take {' or '.join(others)}, or say head: off",
         )
     tabs = profile.tabs()
     if tabs is not None and not tabs.at_end and dialect.rapid == dialect.line:
-        raise wrong_at(
+        yield wrong_at(
             where_said(profile, ("machine", "dialect")),
             f"machine.dialect: over a tab the torch goes off and moves on at its feed, and '{dialect.name}' has the "
             "same words for that as for travel, so that nobody could tell tabs from ends of cuts: take another "
             "dialect, or no tabs",
         )
-    if profile.leads.edge_start and pierce_dwell_of(profile, dialect) == "machine":
-        raise wrong_at(where_said(profile, ("leads", "edge_start")), f"leads.edge_start: {MACHINE_WAITS}")
-    if profile.kerf_starts and pierce_dwell_of(profile, dialect) == "machine":
-        place = where_said(profile, ("machine", "kerf_start"), ("cuts", "common"), ("cuts", "snake"), ("cuts", "split"))
-        raise wrong_at(place, f"machine.kerf_start: {MACHINE_WAITS}")
     if profile.material.power is not None and dialect.powers is None and dialect.control == "grbl":
-        raise wrong_at(
+        yield wrong_at(
             where_said(profile, ("material", "power"), ("material", "chart"), ("machine", "dialect")),
             f"material.power: the dialect '{dialect.name}' has S words of its own: write {{power}}, {{pierce_power}} "
             "and {mark_power} in their place and give it the key powers, as the dialect grbl has them",
         )
-    return dialect
 
 
 def _marks_too(dialect: Dialect, profile: Technique) -> bool:

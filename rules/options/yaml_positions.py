@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -33,6 +33,15 @@ def wrong_at(place: Place | None, message: str, file: str = "") -> InputError:
     if place is None:
         return InputError(message, file=file or None)
     return InputError(message, file=place.file, line=place.line, column=place.column)
+
+
+def raise_together(errors: Iterable[InputError]) -> None:
+    """Raise InputError with the first of these, and what the others say as details; nothing where there is none."""
+    found = list(errors)
+    if found:
+        first, others = found[0], found[1:]
+        details = (*first.details, *(line for e in others for line in (str(e).splitlines()[0], *e.details)))
+        raise InputError(first.message, file=first.file, line=first.line, column=first.column, details=details)
 
 
 @dataclass(slots=True)

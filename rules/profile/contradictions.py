@@ -12,11 +12,12 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.quantities import length_at
-from kerfwise.rules.options.yaml_positions import Problems, deepest
+from kerfwise.rules.options.yaml_positions import Place, Problems, deepest, wrong_at
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Plant, Rule
 
 from .active_rules import resolve_defaults
+from .key_places import where_said
 from .plant_sections import MACHINE_WAITS, Heat, Machine, Material, Prices
 from .sections import Common, LeadsSection, RuleSetting, SmallHoles
 from .technique import Technique
@@ -177,21 +178,16 @@ def common_cut_problems(
 # Whether common edges can be cut once as a profile asks.
 
 
-def expect_common_cuts(profile: Technique) -> None:
-    """Refuse what does not go together with common cuts.
-
-    Raises
-    ------
-    InputError
-        With what to change.
-    """
+def _common_cuts(profile: Technique) -> Iterator[InputError]:
+    """Common cuts with a good side, where a rule leaves outer contours one direction."""
     strict = profile.rules_of_direction("outer")
     if profile.common_options() is not None and strict and profile.cuts.common.good_side == "part":
-        raise InputError(
+        yield wrong_at(
+            where_said(profile, ("cuts", "common")),
             f"cuts.common: {' and '.join(strict)} leaves outer contours one direction, so that of two parts with a "
             "common edge one gets the bad side of the kerf: free the direction, or accept that "
             "(cuts.common.good_side: any)",
-            file=profile.file or None,
+            profile.file,
         )
 
 
@@ -265,10 +261,28 @@ _UNFIT: Mapping[str, tuple[str, Mapping[Beside, str]]] = {
     "a stop": ("cut it from the old program", {"bevels": "a nest with bevels is not gone on with after a stop"}),
 }
 """What a profile or a nest may have → what to change, and with what it does not go together, and why."""
+_STANDS: Mapping[str, tuple[str, ...]] = {
+    "links": ("cuts", "links"),
+    "common": ("cuts", "common"),
+    "pierce pass": ("cuts", "pierce_pass"),
+    "torches": ("machine", "torches"),
+    "nothing last": ("cuts", "split"),
+    "slits": ("cuts", "narrow"),
+    "scrap": ("cuts", "scrap"),
+    "corners": ("corners", "corner_feed"),
+    "heat": ("objective", "heat"),
+    "distortion": ("objective", "distortion"),
+}
+"""Where a profile says so."""
+_OWN_KEYS: Mapping[Beside, tuple[tuple[str, ...], ...]] = {
+    "stretches": (("cuts", "snake"), ("cuts", "split")),
+    "bevels": (("cuts", "bevel"),),
+    "torches": (("machine", "torches"),),
+}
 
 
-def unfit(beside: Beside, profile: Technique, nest: Nest | None = None, resumed: bool = False) -> str | None:
-    """What a profile, or a nest, has that does not go together with one of these, and what to change; None for nothing.
+def _unfit(beside: Beside, profile: Technique, nest: Nest | None, resumed: bool) -> Iterator[tuple[Place | None, str]]:
+    """What a profile, or a nest, has that does not go together with one of these, and what to change, with its place.
 
     `resumed` says that some of the nest was cut before a stop.
     """
@@ -296,67 +310,55 @@ def unfit(beside: Beside, profile: Technique, nest: Nest | None = None, resumed:
     for name, (remedy, why) in _UNFIT.items():
         if beside in why and there[name] not in (None, False, "", (), 0):
             says = f"{why[beside]}: {remedy}"
-            return says.format(knows=_KNOWS[beside], group=cuts.in_stretches, limit="" if limit is None else limit.rule)
-    return None
+            named = {"knows": _KNOWS[beside], "group": cuts.in_stretches, "limit": "" if limit is None else limit.rule}
+            keys = [_STANDS[name]] if name in _STANDS else []
+            yield where_said(profile, *keys, *_OWN_KEYS[beside]), says.format(**named)
 
 
-def expect_snakes(profile: Technique, nest: Nest | None = None) -> None:
-    """Refuse what does not go together with ways along stretches: snakes, and rounds in two.
+def misfits(profile: Technique, nest: Nest | None = None, resumed: bool = False) -> Iterator[InputError]:
+    """What does not go together in a profile, or with a nest of which some may be cut before a stop, with its place.
 
-    Raises
-    ------
-    InputError
-        With what to change.
+    It is about common cuts, ways along stretches (snakes, and rounds in two), bevels and several torches.
     """
-    if (group := profile.cuts.in_stretches) and (why := unfit("stretches", profile, nest)):
-        raise InputError(f"cuts.{group}: {why}, or leave cuts.{group} out", file=profile.file or None)
-
-
-def expect_torches(profile: Technique, resumed: bool = False) -> None:
-    """Refuse what does not go together with several torches.
-
-    Raises
-    ------
-    InputError
-        With what to change.
-    """
-    if profile.machine.torches.several and (why := unfit("torches", profile, None, resumed)):
-        text = f"machine.torches: {why}, or say machine: {{torches: {{count: 1}}}}"
-        raise InputError(text, file=profile.file or None)
+    yield from _common_cuts(profile)
+    if group := profile.cuts.in_stretches:
+        for place, why in _unfit("stretches", profile, nest, False):
+            yield wrong_at(place, f"cuts.{group}: {why}, or leave cuts.{group} out", profile.file)
+    yield from bevel_misfits(profile, nest, resumed)
+    if profile.machine.torches.several:
+        for place, why in _unfit("torches", profile, None, resumed):
+            text = f"machine.torches: {why}, or say machine: {{torches: {{count: 1}}}}"
+            yield wrong_at(place, text, profile.file)
 
 
 # Whether bevels can be cut as a profile asks.
 
 
-def expect_bevels(profile: Technique, nest: Nest | None = None, resumed: bool = False) -> None:
-    """Refuse what does not go together with bevels: of a profile that has a head for them, or of a nest that has some.
-
-    Raises
-    ------
-    InputError
-        With what to change.
-    """
+def bevel_misfits(profile: Technique, nest: Nest | None = None, resumed: bool = False) -> Iterator[InputError]:
+    """What does not go together with bevels: of a profile that has a head for them, or of a nest that has some."""
     contours = [] if nest is None else list(bevelled(nest))
     section = profile.cuts.bevel
     if section.head is not None and section.tilt == section.turn:
-        raise InputError(
-            f"cuts.bevel: tilt and turn are both {section.tilt}: give each axis its own", file=profile.file or None
+        yield wrong_at(
+            where_said(profile, ("cuts", "bevel")),
+            f"cuts.bevel: tilt and turn are both {section.tilt}: give each axis its own",
+            profile.file,
         )
-    if not contours:
+    if not contours or nest is None:
         return
     if section.head is None:
         first = contours[0]
         named = " and ".join(sorted({str(bevel) for bevel in first.bevel_of_edge if bevel is not None}))
-        raise InputError(
+        yield InputError(
             f"{first.id} has a bevel ({named}), and the profile has no head that tilts: say cuts: {{bevel: "
             "{head: tilting}}, or take the bevel out of the nest",
-            file=(nest.file if nest is not None else "") or None,
+            file=nest.file or None,
         )
     if section.head == "block" and len(kinds := {str(b) for c in contours for b in c.bevel_of_edge if b}) > 1:
-        raise InputError(
+        yield InputError(
             f"the block of torches is set by hand to one bevel, and the nest has {' and '.join(sorted(kinds))}: cut it "
             "as two nests, or take a head that tilts",
-            file=(nest.file if nest is not None else "") or None,
+            file=nest.file or None,
         )
-    if why := unfit("bevels", profile, nest, resumed):
-        raise InputError(f"{contours[0].id} has a bevel: {why}", file=profile.file or None)
+    for place, why in _unfit("bevels", profile, nest, resumed):
+        yield wrong_at(place, f"{contours[0].id} has a bevel: {why}", profile.file)

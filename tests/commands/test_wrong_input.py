@@ -53,6 +53,35 @@ def test_a_typo_in_a_profile_is_placed_and_the_nearest_name_given(tmp_path: Path
     refused(kerfwise("profile", "show", "plasma-carbon-steal"), "plasma-carbon-steel")
 
 
+CLASHES = """\
+machine:
+  torches: {count: 2, spacing: 300 mm}
+cuts:
+  links: {longest: 10 mm}
+  pierce_pass: zone
+objective: {heat: 5}
+leads: {edge_start: true}
+"""
+PLACES = (
+    "5:16: cuts.pierce_pass: under",
+    "7:21: leads.edge_start",
+    "2:12: machine.torches: the dialect",
+    "4:10: machine.torches: links",
+    "5:16: machine.torches: a pierce pass",
+    "6:19: machine.torches: the price",
+)
+
+
+def test_everything_that_clashes_in_a_profile_is_said_at_once_with_its_place(tmp_path: Path) -> None:
+    """What the dialect has no words for, and what does not go together with several torches."""
+    profile = tmp_path / "plant.yaml"
+    profile.write_text(CLASHES)
+    for words in (("solve", NEST, "-p", profile, "-o", tmp_path / "out.nc"), ("profile", "check", profile)):
+        refused(ended := kerfwise(*words), *(f"plant.yaml:{place}" for place in PLACES))
+        assert ended.err.count("plant.yaml:") == len(PLACES), ended.err
+    assert not (tmp_path / "out.nc").exists()
+
+
 def test_an_output_that_cannot_be_written(tmp_path: Path) -> None:
     """Said before the work is done, not after."""
     refused(
