@@ -163,14 +163,17 @@ def common_cuts_not_made(inputs: Inputs) -> str:
     kerf_mm = inputs.profile.material.kerf_mm
     try:
         whole, held = whole_for_tabs(inputs.nest, kerf_mm, edges, tabs) if tabs is not None else ([], [])
-        stuck = whole_for_want_of_an_order(inputs.nest, kerf_mm, edges, [inputs.nest.index[name] for name in held])
+        kept = [inputs.nest.index[name] for name in held]
+        stuck = whole_for_want_of_an_order(inputs.nest, kerf_mm, edges, kept)
+        free = stuck and whole_for_want_of_an_order(inputs.nest, kerf_mm, replace(edges, mouths_first=False), kept)
     except InputError:  # such a contour is told of when its candidates are made
         return ""
     if not whole:
+        within = " that cuts parts in the concavity of another before that one" if free != stuck else ""
         return (
-            f"cuts.common: no common cuts for {join_names(stuck, MOST_NAMED)}: "
-            f"in any order some part would be left with "
-            "two stretches to cut, as rounded corners between two neighbours are; these parts are all cut all round"
+            f"cuts.common: no common cuts for {join_names(stuck, MOST_NAMED)}: in any order{within} some part would be "
+            "left with two stretches to cut, as rounded corners between two neighbours are; these parts are all cut "
+            "all round"
             if stuck
             else ""
         )
@@ -200,8 +203,9 @@ def damaged(plan: Plan, inputs: Inputs) -> Iterator[str]:
     """A sentence where leads, lengths or times of a plan are not as its nest and its profile have them."""
     from kerfwise.postproc.verdict.check_plan import damage_of
 
+    sure = "" if plan.profile.get("sha256") else ", or made with another profile (it does not say with which)"
     for text in islice(damage_of(plan, inputs.nest, inputs.profile), 1):
-        yield f"the plan is damaged, and taken as it stands: {text}; `kerfwise check` says all"
+        yield f"the plan is damaged{sure}, and taken as it stands: {text}; `kerfwise check` says all"
 
 
 def is_plan_file(path: str | Path) -> bool:

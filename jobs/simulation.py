@@ -219,11 +219,11 @@ def path_of_made(
             raise InputError("how contours with bevels move is simulated from the plan: give that", file=source)
         return path_of_program(read_program_of(source, inputs, tell, trusted), source, inputs.profile)
     plan, file = (source, None) if isinstance(source, Plan) else (read_plan(source), source)
-    expect_plan_of(plan, inputs.nest)
     try:
         path = path_of_plan(plan, inputs.nest, inputs.profile, along_contours)
     except InputError as error:
-        raise InputError(f"the plan is damaged: {error.message}", file=file, details=error.details) from None
+        raise InputError(error.message, file=error.file or file, line=error.line, details=error.details) from None
+    expect_plan_of(plan, inputs.nest)
     expect_short(path, file)
     for text in differences(plan, inputs):
         tell(text)
@@ -357,7 +357,7 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile, along_contours: bool 
     InputError if the plan was made from another nest, or its times are missing or contradict each other.
     """
     if plan.cuts and not any(planned.cut.end_s for planned in plan.cuts):
-        raise InputError("it does not say when its contours are cut: start_s and end_s are needed for heat")
+        raise InputError("the plan does not say when its contours are cut: start_s and end_s are needed for heat")
     if not along_contours and any(planned.passes for planned in plan.cuts):
         return path_of_program(read_program(write_program(plan, nest, profile), nest, profile), None, profile)
     law = profile.corner_feed()
@@ -373,7 +373,10 @@ def path_of_plan(plan: Plan, nest: Nest, profile: Profile, along_contours: bool 
         burn = torch_on(cut.contour, points, cut.start_s, cut.end_s, _stands_s(toolpath, profile), slowness)
         for lit in without_tabs(burn, toolpath.unlit):
             burns += [lit, *(_burnt_with(lit, cut, other.cut) for other in toolpath.together)]
-    return in_order(burns, plan.totals.time_s)
+    try:
+        return in_order(burns, plan.totals.time_s)
+    except InputError as error:
+        raise InputError(f"the plan is damaged: {error.message}") from None
 
 
 def _stands_s(toolpath: Toolpath, profile: Profile) -> float:

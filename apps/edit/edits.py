@@ -18,6 +18,7 @@ from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.jobs.inputs import Tell, silent
 from kerfwise.jobs.nest_job import Job
 from kerfwise.jobs.nest_job.request import Names
+from kerfwise.rules.options.yaml_positions import without_item
 from kerfwise.rules.profile.load import shipped_profiles
 
 _FARTHEST = 1e6
@@ -148,26 +149,34 @@ def added(text: str, reading: ReadOptions, tell: Tell = silent) -> Add:
     return Add(part_types([text], reading, tell))
 
 
-def job_text_for(job: Job, nest: Nest, beside: Path) -> str:
+def job_text_for(job: Job, nest: Nest, beside: Path) -> tuple[str, tuple[str, ...]]:
     """The text of a job file for an edited nest in its own file; profile and chart are named as seen from there.
 
-    Raises InputError if a lock names what the nest does not have any more, or a file cannot be named from there.
+    Locks that name what the nest does not have any more are left out of it: why, a sentence each, stands beside it.
+    Raises InputError if such a lock is no entry of a list in the file, or a file cannot be named from there.
     """
     old = Path(job.file)
     names = Names(nest, lambda number: number)
-    for lock in job.locks:
-        for _ in names.on_nest(lock):
-            pass
-    text = read_limited(old).decode("utf-8-sig")
+    text, lost = read_limited(old).decode("utf-8-sig"), []
+    for lock in reversed(job.locks):
+        try:
+            for _ in names.on_nest(lock):
+                pass
+        except InputError as error:
+            if lock.place is None or (without := without_item(text, lock.place)) is None:
+                raise
+            text = without
+            lost.append(error.message)
+    left_out = tuple(reversed(lost))
     if old.resolve().parent == beside.resolve().parent:
-        return text
+        return text, left_out
     files = {one.key: one.text for one in job.settings if one.key in ("material.chart", "machine.dialect")}
     if job.profile is not None and job.profile not in shipped_profiles():
         files["profile"] = job.profile
     for key, named in files.items():
         if is_file(file := old.parent / named):
             text = _renamed(text, key, named, os.path.relpath(file.resolve(), beside.resolve().parent))
-    return text
+    return text, left_out
 
 
 def _renamed(text: str, key: str, named: str, other: str) -> str:

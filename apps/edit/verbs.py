@@ -128,7 +128,9 @@ def _write(edited: EditedNest, inputs: Inputs, path: Path) -> int:
     beside = path.with_name(beside_name(path))
     if inputs.job is not None and not is_file(beside):
         try:
-            files[beside] = job_text_for(inputs.job, edited.nest, beside)
+            files[beside], left_out = job_text_for(inputs.job, edited.nest, beside)
+            for why in left_out:
+                print_note(f"the job file {inputs.job.name} is copied without a lock: {why}")
         except InputError as error:
             print_note(f"the job file {inputs.job.name} is not copied: {error.message}")
     write_files(files)

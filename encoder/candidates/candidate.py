@@ -27,13 +27,14 @@ class CommonOptions:
     """Which edges two parts have in common: so long at the least, and so near to one kerf apart, mm.
 
     With `kerf_start` the torch is lit in the old kerf and moves on at once; else it waits there as at a pierce.
-    `corners` are cut slower, where they are.
+    `corners` are cut slower, where they are. With `mouths_first` parts in the concavity of another are cut before that.
     """
 
     shortest_mm: float
     gap_mm: float
     kerf_start: bool = True
     corners: CornerFeed | None = None
+    mouths_first: bool = False
 
 
 @dataclass(frozen=True, slots=True)

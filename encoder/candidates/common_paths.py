@@ -6,6 +6,9 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+import shapely
+
 from kerfwise.encoder.cut import Direction, Span
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
@@ -19,6 +22,8 @@ from .common_edges import CommonEdges, Junction, Stretches, common_edges, rounds
 
 _MOST_ORDERS = 4000
 """So many sets of parts that are out are tried, to see whether a group with common edges can be cut at all."""
+_FLAT = 1e-3
+"""A contour whose hull has no more than so much more area has no concavity that a part sits in."""
 _MOST_STATES = 64
 """Sets of neighbours that are out for which a contour has ways, at the most: a rectangle among four has 12."""
 
@@ -93,7 +98,22 @@ def _cut_once(
     """The common edges of these contours, but for those `held`; and the sets of neighbours that leave one stretch."""
     edges = common_edges(nest, numbers, kerf_mm, options, held)
     found = {number: _sets(nest, edges, number, kerf_mm, ()) for number in edges.of}
-    return _that_have_an_order(nest, edges, found), found
+    first = _in_mouths(nest, list(edges.of)) if options.mouths_first else {}
+    return _that_have_an_order(nest, edges, found, first), found
+
+
+def _in_mouths(nest: Nest, numbers: Sequence[int]) -> dict[int, frozenset[int]]:
+    """Hollow contours among these, and those that sit in the concavity of each: with their centroids in its hull."""
+    outlines = np.array([nest.contours[k].polygon for k in numbers], dtype=object)
+    hulls, middles = shapely.convex_hull(outlines), shapely.centroid(outlines)
+    hollow = np.flatnonzero(shapely.area(hulls) > shapely.area(outlines) * (1 + _FLAT))
+    which, inside = shapely.STRtree(middles).query(hulls[hollow], "contains")
+    outer = hollow[which]
+    sits = (outer != inside) & ~shapely.intersects(outlines[outer], middles[inside])
+    found: dict[int, set[int]] = {}
+    for i, j in zip(outer[sits].tolist(), inside[sits].tolist(), strict=True):
+        found.setdefault(numbers[i], set()).add(numbers[j])
+    return {k: frozenset(before) for k, before in found.items()}
 
 
 def _sets(nest: Nest, edges: CommonEdges, number: int, kerf_mm: float, out: Collection[int]) -> Sets:
@@ -102,9 +122,14 @@ def _sets(nest: Nest, edges: CommonEdges, number: int, kerf_mm: float, out: Coll
 
 
 def _that_have_an_order(
-    nest: Nest, edges: CommonEdges, found: Mapping[int, Sequence[tuple[frozenset[int], Run]]]
+    nest: Nest,
+    edges: CommonEdges,
+    found: Mapping[int, Sequence[tuple[frozenset[int], Run]]],
+    first: Mapping[int, frozenset[int]],
 ) -> CommonEdges:
     """The common edges but for groups that no order cuts: whatever is out, some part is left with two stretches to cut.
+
+    Contours may come only when those are out that come `first`.
 
     So are a channel and the plate that both its legs end at, and plates with rounded corners in a grid: where two
     neighbours of one are out, its corner between them is left apart from the rest. Such groups are cut by whole rounds.
@@ -116,7 +141,11 @@ def _that_have_an_order(
     spoilt = {
         name
         for name, group in groups.items()
-        if not _may_be_cut({k: frozenset(edges.of[k]) for k in group}, {k: {out for out, _ in found[k]} for k in group})
+        if not _may_be_cut(
+            {k: frozenset(edges.of[k]) for k in group},
+            {k: {out for out, _ in found[k]} for k in group},
+            {k: first.get(k, frozenset()).intersection(group) for k in group},
+        )
     }
     if not spoilt:
         return edges
@@ -124,10 +153,15 @@ def _that_have_an_order(
     return CommonEdges(kept, {k: edges.junctions[k] for k in kept})
 
 
-def _may_be_cut(beside: Mapping[int, frozenset[int]], states_of: Mapping[int, set[frozenset[int]]]) -> bool:
+def _may_be_cut(
+    beside: Mapping[int, frozenset[int]],
+    states_of: Mapping[int, set[frozenset[int]]],
+    first: Mapping[int, frozenset[int]],
+) -> bool:
     """Whether some order cuts each part of a group whole first, or with such neighbours out as leave one stretch.
 
-    Orders are tried within bounds; where these do not tell, there may be one.
+    A part comes only when those are out that come `first`. Orders are tried within bounds; where these do not tell,
+    there may be one.
     """
     if not any(beside[k] in states_of[k] for k in beside):  # the last one has all its neighbours out
         return False
@@ -140,7 +174,7 @@ def _may_be_cut(beside: Mapping[int, frozenset[int]], states_of: Mapping[int, se
         tried.add(out)
         for k in sorted(beside.keys() - out, reverse=True):
             now = beside[k] & out
-            if (not now or now in states_of[k]) and (more := out | {k}) not in tried:
+            if first[k] <= out and (not now or now in states_of[k]) and (more := out | {k}) not in tried:
                 waiting.append(more)
     return False
 

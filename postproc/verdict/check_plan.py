@@ -69,7 +69,12 @@ def check_plan(nest: Nest, plan: Plan, profile: Technique) -> CheckResult:
 
 
 def damage_of(plan: Plan, nest: Nest, profile: Technique) -> Iterator[str]:
-    """What of a plan of this nest, made with this profile, is not as both have it; nothing is known of other plans."""
+    """What of a plan of this nest, made with this profile, is not as both have it; nothing is known of other plans.
+
+    One that does not say which profile it was made with is held against this one.
+    """
+    if not plan.profile.get("sha256"):
+        plan = replace(plan, profile={**plan.profile, "sha256": profile.sha256})
     claims = _claims_of(plan, profile)
     if not claims.of_all or plan.nest.get("sha256") != nest.sha256:
         return

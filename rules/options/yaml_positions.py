@@ -250,6 +250,37 @@ def without_value(text: str, path: Sequence[str]) -> str:
     return text if found is None else _cut_out(text, *found)
 
 
+def without_item(text: str, place: Place) -> str | None:
+    """The text without the entry of a list that begins at a place; where it was the only one, without the list's key.
+
+    None where no entry begins there. Raises InputError if the text is not YAML.
+
+    Examples
+    --------
+    >>> without_item("locks:\\n  - P1 first\\n  - P2 last  # hot\\n", Place("", 3, 5))
+    'locks:\\n  - P1 first\\n'
+    >>> without_item("locks: [P1 first, P2 last]\\n", Place("", 1, 9))
+    'locks: [P2 last]\\n'
+    """
+    root = compose(text, "")
+    for key, node in root.value if isinstance(root, yaml.MappingNode) else ():
+        rows: list[yaml.Node] = node.value if isinstance(node, yaml.SequenceNode) else []
+        marks = [(item.start_mark.line + 1, item.start_mark.column + 1) for item in rows]
+        if (place.line, place.column) not in marks:
+            continue
+        if len(rows) == 1:
+            return without_value(text, [key.value])
+        at = marks.index((place.line, place.column))
+        if not node.flow_style:
+            dash = text.rfind("-", 0, rows[at].start_mark.index)
+            ends = text.find("\n", _end(rows[at]))
+            return text[: text.rfind("\n", 0, dash) + 1] + (text[ends + 1 :] if ends >= 0 else "")
+        if at:
+            return text[: _end(rows[at - 1])] + text[_end(rows[at]) :]
+        return text[: rows[0].start_mark.index] + text[rows[1].start_mark.index :]
+    return None
+
+
 def _cut_out(text: str, node: yaml.MappingNode, at: int) -> str:
     """Without one entry of a mapping; in a block, without the rest of its last line too."""
     key, value = node.value[at]

@@ -118,6 +118,14 @@ class Profile(Technique):
             machine = replace(machine, kerf_start=machine.kerf_start and shared != "pierced")
         return replace(self, cuts=cuts, small_holes=holes, machine=machine)
 
+    def common_options(self) -> CommonOptions | None:
+        """Which edges two parts have in common; None where none are to be cut once.
+
+        Where hard rules have parts in the concavity of another cut before that one, so do orders of common cuts.
+        """
+        common = super().common_options()
+        return None if common is None else replace(common, mouths_first="in_hull" in self.fact_options().zone_respects)
+
     def fact_options(self, nest: Nest | None = None) -> FactOptions:
         """The thresholds of the facts, as the rules and the locks say.
 

@@ -219,3 +219,23 @@ def test_an_order_that_leaves_two_stretches_is_a_conflict_with_a_way_out(folder:
     assert kerfwise("solve", "nest.json", "-p", "laser-st10kp-2mm", "--set", "cuts.common.shortest=off").code == 0
     assert solve("--plan", "plan.json", "--relax").code == 0
     assert sum("span" in row for row in rows(folder)) == 2
+
+
+def test_a_part_that_fills_a_hook_is_cut_all_round_and_so_is_the_hook(folder: Path) -> None:
+    """The hook comes after what it holds, and would have its round inner corners left; D and E share their edge."""
+    hook = [[40, 40], [120, 40], [120, 50], [50, 50], [50, 90], [120, 90], [120, 100], [40, 100]]
+    apart = nest_of(1.5)
+    boxes = {"G": rect(51.5, 51.5, 68.5, 37), "D": rect(140, 40, 30, 60), "E": rect(171.5, 40, 20, 60)}
+    (folder / "plant.yaml").write_text(f"{LASER}material: {{kerf: 1.5 mm}}\n", encoding="utf-8")
+    apart["parts"] = [{"id": "C", "outer": hook}, *({"id": k, "outer": outer} for k, outer in boxes.items())]
+    (folder / "nest.json").write_text(json.dumps(apart), encoding="utf-8")
+    ended = solve("--plan", "plan.json")
+    assert ended.code == 0, ended.err
+    assert "no common cuts for C.outer, G.outer: in any order that cuts parts in the concavity of another" in ended.err
+    spans = {row["contour"]: "span" in row for row in rows(folder)}
+    assert [name for name in ("C.outer", "G.outer") if spans[name]] == []
+    assert spans["D.outer"] != spans["E.outer"]
+    free = ("--set", "rules.hull-before=off", "--set", "rules.level-ahead=off")
+    loose = solve("--plan", "plan.json", *free)
+    assert loose.code == 0, loose.err
+    assert sum("span" in row for row in rows(folder)) == 2

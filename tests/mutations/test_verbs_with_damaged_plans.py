@@ -85,6 +85,18 @@ def _expect_told(verb: str, damage: Callable[[Any], None]) -> None:
     assert _told(_run(verb, "changed.plan.json")), damage.__name__
 
 
+def test_a_plan_that_does_not_say_its_profile_is_looked_at_too() -> None:
+    plan = json.loads(seeds.made("rich")[1])
+    del plan["profile"]["sha256"]
+    Path("silent.plan.json").write_text(json.dumps(plan))
+    assert "damaged" not in _run("resume", "silent.plan.json").err
+    _moved_pierce(plan)
+    Path("silent.plan.json").write_text(json.dumps(plan))
+    assert (
+        "the plan is damaged, or made with another profile (it does not say" in _run("resume", "silent.plan.json").err
+    )
+
+
 @pytest.mark.full
 @pytest.mark.slow
 @pytest.mark.parametrize("verb", VERBS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -50,7 +50,7 @@ class NoIslands(Rule[NoIslandsOptions]):
     is cut after it. Of parts that hang together at the start, every one but the last must leave one behind that it
     hangs on, or hang on the frame. What hangs together and on no frame ends with any of its parts. The check allows
     0.05 less than `frame_share`, and looks 0.5 mm further than the web, for it looks at the boundary in other steps
-    than the facts.
+    than the facts; a part that a plan excuses is told among the excuses all the same.
 
     Where orders that may not be broken leave no other way, a plan under the hard rule excuses a part that hangs on
     nothing any more, in as few places as can be, and says so: in its list of exceptions and in the program, as
@@ -121,7 +121,29 @@ class NoIslands(Rule[NoIslandsOptions]):
                 left = first_and_last(names, 4)
                 text = f"{cuts[k - 1].contour} (cut {k}) leaves {left} on an island that nothing still in holds"
                 found.append(Violation(self.id, names, text, (k,)))
+        ends = {max(violation.contours, key=lambda name: at.get(number[name], len(cuts) + 1)) for violation in found}
+        found += self._excused_as_well(nest, cuts, options, ends)
         return sorted(found, key=lambda violation: violation.cuts)
+
+    def _excused_as_well(
+        self, nest: Nest, cuts: CutSequence, options: NoIslandsOptions, known: Collection[str]
+    ) -> Iterator[Violation]:
+        """Parts that a plan excuses beside those `known`: the planner has seen less that holds them than the judging.
+
+        They are told where nothing holds them by a web as much narrower, and a share as much greater.
+        """
+        outers = {part.outer.id: k for k, part in enumerate(nest.parts)}
+        asked = [cut.contour for cut in cuts if self.id in cut.excused and cut.contour in outers]
+        if not (asked := [name for name in asked if name not in known]):
+            return
+        web_mm, share = max(options.web_mm - NEAR_MM, 0.0), min(options.frame_share + ALLOWANCE, 1.0)
+        joined, framed = holding(nest, web_mm, options.edge_band_mm, share)
+        at = cuts.positions()
+        for name in asked:
+            gone = all(at.get(nest.parts[x].outer.id, len(cuts) + 1) < at[name] for x in joined[outers[name]])
+            if gone and outers[name] not in framed:
+                text = f"{name} (cut {at[name]}) is cut with nothing, or next to nothing, still in that holds it"
+                yield Violation(self.id, (name,), text, (at[name],))
 
     def allowances(self, options: NoIslandsOptions) -> tuple[NoIslandsOptions, ...]:
         shares = (min(options.frame_share + share, 1.0) + ALLOWANCE for share in (-ALLOWANCE, ALLOWANCE))

@@ -78,11 +78,22 @@ def test_python_shows_a_line_and_refuses_cuts_that_were_not_made(plate: Path) ->
         package.edit("plate.json", None, "drop P3", cut_by="plans/plate.plan.json", upto=9)
 
 
-def test_a_job_file_whose_lock_is_lost_is_not_copied(plate: Path) -> None:
+@pytest.mark.parametrize(
+    ("job", "left"),
+    [
+        ("order: '4711'\nlocks: [P3 first]\n", "order: '4711'\n"),
+        ("locks: [P1 first, P3 last]\nquantity: 2\n", "locks: [P1 first]\nquantity: 2\n"),
+        ("locks:\n  - part: P3\n    zone: 1\n  - P1 first  # cold\n", "locks:\n  - P1 first  # cold\n"),
+        ("# of Monday\nlocks:\n- P1 before P3\n- P2 before P3\n", "# of Monday\n"),
+    ],
+)
+def test_a_job_file_is_copied_without_the_locks_of_what_is_left_out(plate: Path, job: str, left: str) -> None:
+    Path("plate.job.yaml").write_text(job)
     code, _, err = edit("--drop", "P3")
     assert code == 0, err
-    assert "the job file plate.job.yaml is not copied" in err
-    assert not Path("new.job.yaml").exists()
+    assert err.count("the job file plate.job.yaml is copied without a lock: lock 'P") == job.count("P3"), err
+    assert Path("new.job.yaml").read_text() == left
+    assert kerfwise("job", "check", "new.job.yaml").code == 0
 
 
 def test_another_sheet_leaves_out_what_is_off(plate: Path) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 from functools import cache
 
+import pytest
+
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import facts_of, make_request, options_for
@@ -13,7 +15,8 @@ from kerfwise.postproc.check import check_program
 from kerfwise.postproc.check.result import Judgement, RelaxedStatement
 from kerfwise.postproc.check.rule_verdicts import judge
 from kerfwise.postproc.verdict.check_plan import check_plan
-from kerfwise.rules.case import cut, nest, part, rect
+from kerfwise.rules.case import cut, in_order, nest, part, rect
+from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import RuleSetting
@@ -105,3 +108,18 @@ def test_a_relaxed_order_excuses_no_other_lock_of_its_contour() -> None:
     assert [v.text for v in verdict(cuts["A"], cuts["C"], cuts["B"]).violations] == [
         "B.outer is cut 3 in order, not first: locked by the operator"
     ]
+
+
+@pytest.mark.parametrize("gap_mm", [25.3, 24.8])
+def test_an_island_that_a_plan_excuses_is_told_though_the_check_would_let_it_pass(gap_mm: float) -> None:
+    """C faces A over a web that the check takes for wide enough to hold it, and the planner may not."""
+    row = nest(700, 500, *(part(n, rect(x, 200, 100, 100)) for n, x in (("B", 100), ("A", 220), ("C", 320 + gap_mm))))
+    rule, options = strict("no-islands").rulebook()["no-islands"], NoIslandsOptions(frame_share=0.9)
+    cuts = in_order(row, "B.outer A.outer C.outer")
+    excusing = dataclasses.replace(cuts, cuts=(cuts[0], dataclasses.replace(cuts[1], excused=("no-islands",)), cuts[2]))
+    assert rule.violations(row, cuts, options) == []
+    (told,) = rule.violations(row, excusing, options)
+    assert (told.contours, told.cuts) == (("A.outer",), (2,))
+    assert rule.excuse(row, excusing, options, told, lambda name: frozenset()) is not None
+    near = nest(700, 500, *(part(n, rect(x, 200, 100, 100)) for n, x in (("B", 100), ("A", 220), ("C", 330))))
+    assert rule.violations(near, excusing, options) == []
