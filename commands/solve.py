@@ -200,6 +200,8 @@ def command(
     from .progress import ProgressLine
 
     file = Path(options["nest"])
+    if not file.name:
+        raise InputError("this is a folder; expected a nest file", file=file)
     if by_default := output is plan_path is dxf is picture is svg is reordered_dxf is None:
         output, plan_path, picture = output_names(file)
     conflict_picture = conflict_picture or f"{file.stem}.conflict.svg"

@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 
 # What became of one nest on one machine: how it ended, its figures, its files, and what it was made of.
 
-Ended = Literal["planned", "asks", "refused", "no fit", "no plan", "not safe", "fault"]
+Ended = Literal["planned", "asks", "refused", "no fit", "no plan", "not safe", "not written", "fault"]
 FORMAT = "kerfwise-batch/1"
 PLAN = ".plan.json"
 RECORD = ".batch.json"
@@ -69,8 +69,8 @@ class Row:
 
     @property
     def for_good(self) -> bool:
-        """Whether the same would come of it again; a fault may have been the machine's."""
-        return self.ended != "fault"
+        """Whether the same would come of it again; a fault, or a full disk, may have been the machine's."""
+        return self.ended not in ("fault", "not written")
 
     def as_json(self) -> str:
         """The row as the text of its record."""
@@ -105,6 +105,7 @@ HEADS = {
     "no fit": "The nest and what is asked for it do not fit",
     "no plan": "The rules leave no plan",
     "not safe": "The check refuses the plan",
+    "not written": "What was planned could not be written",
     "fault": "Something went wrong that has nothing to do with the nest",
 }
 _REMEDIES = {
@@ -114,6 +115,7 @@ _REMEDIES = {
     "no fit": "Change what is named, in the nest, its job file or the profile, and run the same command again.",
     "no plan": "Change the lock, the rule or the nest that is named, and run the same command again.",
     "not safe": "Plan the nest alone with `kerfwise solve`, which prints the verdict of every rule.",
+    "not written": "Make room in the folder of the programs, or let it be written to, and run the same command again.",
     "fault": "Run the same command again. If it stays so, send the report that it names.",
 }
 _RELAX = "With --relax (in Python: relax=True) the batch takes the way out that is named, and marks it in the plan. "

@@ -88,7 +88,9 @@ class Batch:
 
     @property
     def exit_code(self) -> int:
-        """0 where every nest was planned on every machine, 1 where one was refused, 70 after a fault of kerfwise.
+        """0 where every nest was planned on every machine, 1 where one was refused, or its program was not written.
+
+        70 after a fault of kerfwise.
 
         3 where some raise questions and all others were planned.
         """
@@ -186,13 +188,13 @@ def _leave(pieces: Iterable[NestTask], machines: Machines, store: Store) -> None
 
 
 def _kept(task: Task, output: TaskOutput | Exception, store: Store) -> Row:
-    """The row of what was made, once its files are written; that they cannot be is the fault of this one alone."""
+    """The row of what was made, once its files are written; where they cannot be, it concerns this one alone."""
     output = fault(task.piece, output) if isinstance(output, Exception) else output
     row = replace(output.row, key=task.key)
     try:
         return store.keep(row, output.contents)
     except InputError as error:
-        return replace(row, ended="fault", told=str(error), figures=None, files={})
+        return replace(row, ended="not written", told=str(error), figures=None, files={})
 
 
 # One nest planned on one machine, as `kerfwise solve` does it; whatever goes wrong is an answer, too.

@@ -20,7 +20,7 @@ from kerfwise.encoder.readers.json_nest import sheet_in_json
 from kerfwise.encoder.readers.layers import Layers
 from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
-from kerfwise.encoder.readers.read import SUFFIXES, file_bytes, read_nest, unpacked
+from kerfwise.encoder.readers.read import SUFFIXES, file_bytes, known_suffix, read_nest, unpacked
 from kerfwise.encoder.readers.sheet import NO_SHEET, drawn_sheet
 from kerfwise.encoder.text import escape_text, join_names, unknown
 from kerfwise.jobs.inputs import Tell, silent
@@ -345,9 +345,7 @@ def read_sheet(path: str | Path, options: ReadOptions = ReadOptions()) -> Sheet:
     holes. Raises InputError if the file cannot be read, holds parts, or holds no sheet.
     """
     file = Path(path)
-    suffix = file.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise InputError(f"cannot tell the format of '{file.name}': expected {', '.join(SUFFIXES)}", file=file)
+    suffix = known_suffix(file)
     data = file_bytes(file)
     try:
         if suffix == ".json":

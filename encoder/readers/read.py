@@ -20,7 +20,7 @@ import shapely
 
 from kerfwise.encoder.bridges import with_bridges
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import MOST_BYTES, read_limited
+from kerfwise.encoder.files import MOST_BYTES, is_file, read_limited
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.progress_notice import notice_if_long
@@ -94,9 +94,7 @@ def read_nest(path: str | Path, options: ReadOptions = ReadOptions()) -> Nest:  
     file = Path(path)
     if os.path.isdir(file):  # unlike the method of a path it answers for any name
         raise InputError("this is a folder; expected a nest file", file=file)
-    suffix = file.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise InputError(f"cannot tell the format of '{file.name}': expected {', '.join(SUFFIXES)}", file=file)
+    suffix = known_suffix(file)
     with notice_if_long(f"reading {file.name}"):
         return _read(file, suffix, options)
 
@@ -329,6 +327,16 @@ def _given(nest: Nest) -> str:
     reading = nest.reading
     sheet = "" if reading is None else f", sheet {reading.sheet}{' assumed' if reading.assumed else ''}"
     return f"{counts} ({largest}){sheet}"
+
+
+def known_suffix(file: Path) -> str:
+    """The ending of a drawing's name; InputError for another one, naming what lies beside it and is called so."""
+    suffix = file.suffix.lower()
+    if suffix in SUFFIXES:
+        return suffix
+    there = [file.stem + end for end in SUFFIXES if file.name and is_file(file.with_suffix(end))]
+    meant = "" if is_file(file) or not there else f"; did you mean {' or '.join(map(repr, there))}?"
+    raise InputError(f"cannot tell the format of '{file.name}': expected {', '.join(SUFFIXES)}{meant}", file=file)
 
 
 def file_bytes(file: Path) -> bytes:

@@ -132,8 +132,9 @@ def _meant(path: Path) -> str:
         beside = [file.name for file in path.parent.iterdir() if file.suffix in (".yaml", ".yml")]
     except OSError:
         return ""
-    guess = None if path.name in beside else nearest(path.name, sorted(beside))
-    return f"; did you mean {guess!r}?" if guess else ""
+    stems = {Path(name).stem: name for name in sorted(beside, reverse=True)}  # endings are alike whatever was meant
+    guess = None if path.name in beside else nearest(path.stem, stems)
+    return f"; did you mean {stems[guess]!r}?" if guess else ""
 
 
 def content_of(name: str, folder: Path) -> tuple[str, str, bytes]:

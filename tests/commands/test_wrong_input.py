@@ -42,6 +42,18 @@ def test_a_missing_nest() -> None:
     refused(kerfwise("solve", "nowhere.json"), "nowhere.json")
 
 
+def test_a_folder_or_half_a_name_in_place_of_a_nest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "plate.json").write_bytes(NEST.read_bytes())
+    (tmp_path / "l.yaml").write_text("name: l\n")
+    monkeypatch.chdir(tmp_path)
+    for given in (".", ""):
+        refused(kerfwise("solve", given), "kerfwise: .: this is a folder; expected a nest file")
+    for given in ("plate", "plate.jsn"):
+        refused(kerfwise("solve", given), f"cannot tell the format of '{given}'", "did you mean 'plate.json'?")
+    refused(kerfwise("solve", "plate.json", "-p", "nope.yaml"), "nope.yaml: cannot read the profile")
+    assert "did you mean" not in kerfwise("solve", "plate.json", "-p", "nope.yaml").err
+
+
 def test_a_typo_in_a_profile_is_placed_and_the_nearest_name_given(tmp_path: Path) -> None:
     profile = tmp_path / "plant.yaml"
     profile.write_text("name: plant\nrules:\n  levelahead: hard\n")

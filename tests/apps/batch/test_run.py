@@ -12,9 +12,11 @@ from pathlib import Path
 import pytest
 
 from kerfwise.apps.batch import tasks as reading
+from kerfwise.apps.batch.result import groups_of
 from kerfwise.apps.batch.run import Batch, Watcher, plan_task, plan_task_inputs, run_batch
 from kerfwise.apps.batch.store import Store
 from kerfwise.apps.batch.tasks import Machine, Machines, NestTask, Options, machine_of, sources_in
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import read_limited
 from kerfwise.jobs.process_pool import run_in_process
 from kerfwise.tests.apps.batch.nests import BROKEN, NESTS, plate, write_nests
@@ -131,6 +133,24 @@ def test_a_fault_of_one_stops_no_other_and_is_tried_again(batches: Batches, monk
     assert batch.rows[1].told == "a fault of kerfwise itself: ZeroDivisionError: by nought"
     assert batches.run().exit_code == 0
     assert batches.begun == [("three", "plasma")]
+
+
+def test_a_program_that_cannot_be_written_is_no_fault_and_is_made_again(
+    batches: Batches, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on a full disk."""
+
+    def full(self: Store, row: object, contents: object) -> object:
+        raise InputError("cannot write: No space left on device", file="one.nc")
+
+    write_nests(batches.given, ("one",))
+    with monkeypatch.context() as patched:
+        patched.setattr(Store, "keep", full)
+        batch = batches.run()
+    assert (batch.exit_code, [row.ended for row in batch.rows], batch.faults) == (1, ["not written"], {})
+    (group,) = groups_of(batch.rows)
+    assert "Make room in the folder of the programs" in group.remedy
+    assert batches.run().exit_code == 0
 
 
 def test_a_nest_that_changes_while_it_is_planned_is_not_taken(batches: Batches) -> None:
