@@ -68,7 +68,7 @@ def run_portfolio(
         if run.known.incumbent is None and show_impossible(run):
             return run.known
     if earlier is not None:
-        run.known.priced = earlier.priced
+        run.known.priced, run.known.tables = earlier.priced, earlier.tables
         run.known.take_bound(earlier)
     count_sets(run)
     for step in STEPS:
@@ -302,7 +302,8 @@ def search(run: Run, share: float, seed: int | None = None) -> None:
 
     known, first = run.known, run.searcher is None
     if run.searcher is None or seed is not None:
-        run.searcher = Searcher(run.problem, run.options.seed if seed is None else seed)
+        run.searcher = Searcher(run.problem, run.options.seed if seed is None else seed, earlier=known.tables)
+        known.tables = run.searcher.tables
     if known.incumbent is not None and (first or known.found_by != "search"):
         run.searcher.stand_on(known.incumbent.route)
     searcher = run.searcher

@@ -18,13 +18,15 @@ if TYPE_CHECKING:
     from kerfwise.models.engines import ideals
     from kerfwise.models.engines.ideals.stretches.priced_stretches import StretchPrices
     from kerfwise.models.engines.search import Searcher
+    from kerfwise.models.engines.search.state.route_state import TablesOf
 
 
 @dataclass(slots=True)
 class SharedState:
     """What is known of a problem so far, who found it, and what was chosen why.
 
-    `priced` is what a proof has found out of every stretch of the order, where it was begun.
+    `priced` is what a proof has found out of every stretch of the order, where it was begun, `tables` what a search
+    has read of this problem or of one with other statements.
     `against` are the statements that show that there is no plan, where they are known.
     `unable` says why the one member that was asked for cannot find a plan; empty where it can, or all may run.
     """
@@ -39,6 +41,7 @@ class SharedState:
     notes: list[str] = field(default_factory=list)
     unable: str = ""
     priced: tuple[StretchPrices, ...] = ()
+    tables: TablesOf | None = None
 
     @property
     def proven(self) -> bool:

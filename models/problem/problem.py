@@ -25,6 +25,9 @@ from .crossings import Crossings
 from .moves import MovePrices
 from .precedence import Followers, known_followers
 
+AT_ONCE = 30_000
+"""Moves whose lengths are worked out together: they fit into a processor's cache."""
+
 # Moves with the torch on: from the end of one site through waste to another, in place of idle travel and a pierce.
 
 
@@ -275,13 +278,16 @@ class Problem:
             table = np.asarray(self.matrix[np.ix_(np.asarray(leave), np.asarray(reach))], dtype=np.int64)
         else:
             ends, pierces = self._at(self.end_um, leave), self._at(self.pierce_um, reach)
-            far, up = (ends[:, None, axis] - pierces[None, :, axis] for axis in (0, 1))
-            far *= far  # in place: of thousands of sites each array is large
-            up *= up
-            far += up
-            np.sqrt(far, out=far)
-            far *= self.travel_weight
-            table = np.rint(far, out=far).astype(np.int64)
+            table = np.empty((len(ends), len(pierces)), dtype=np.int64)
+            rows = max(1, AT_ONCE // max(1, len(pierces)))
+            for k in range(0, len(ends), rows):
+                far, up = (np.subtract.outer(ends[k : k + rows, axis], pierces[:, axis]) for axis in (0, 1))
+                far *= far
+                up *= up
+                far += up
+                np.sqrt(far, out=far)
+                far *= self.travel_weight
+                table[k : k + rows] = np.rint(far, out=far)
         if len(self.links):
             self.links.laid_over(table, np.asarray(leave), np.asarray(reach))
         if self.matrix is None and len(self.moves.price):

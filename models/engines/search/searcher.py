@@ -14,7 +14,7 @@ import numpy as np
 from kerfwise.arrays import Bools, Ints
 from kerfwise.models.engines.deadline import Deadline, Progress
 from kerfwise.models.engines.search.moves.tour_merging import TourMerging, make_walkers, merge_tours, mergeable
-from kerfwise.models.engines.search.state.route_state import SearchTables, make_tables
+from kerfwise.models.engines.search.state.route_state import SearchTables, TablesOf, make_tables
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.engines.tuning import (
     CHILD,
@@ -68,13 +68,20 @@ class Searcher:
         Whether chains of exchanges are tried where they suit the problem.
     fields
         The tables of the problem, where they are made.
+    earlier
+        The tables of a problem with other statements, of which what is the same is taken.
     """
 
     def __init__(
-        self, problem: Problem, seed: int = 1, chains: bool = True, fields: SearchTables | None = None
+        self,
+        problem: Problem,
+        seed: int = 1,
+        chains: bool = True,
+        fields: SearchTables | None = None,
+        earlier: TablesOf | None = None,
     ) -> None:
         self._problem, self._seed = problem, seed
-        self._fields = fields = make_tables(problem) if fields is None else fields
+        self._fields = fields = make_tables(problem, earlier) if fields is None else fields
         self._walkers = make_walkers(fields, seed, WALKERS, chains)
         self._merging = TourMerging(problem, fields, self._walkers, seed) if mergeable(problem) else None
         self._regional = regional(problem)
@@ -86,6 +93,11 @@ class Searcher:
     def _regions(self) -> Regions:
         """Made where there is work for a look by regions: it loads a library."""
         return Regions(self._problem, self._fields, self._seed)
+
+    @property
+    def tables(self) -> TablesOf:
+        """What it reads of its problem."""
+        return TablesOf(self._problem, self._fields)
 
     @property
     def best(self) -> Incumbent | None:

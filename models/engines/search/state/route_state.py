@@ -35,12 +35,19 @@ class SearchTables(NamedTuple):
     arcs: ArcCosts
 
 
-def make_tables(problem: Problem) -> SearchTables:
-    """The arrays of a problem."""
-    legs = make_legs(problem)
+class TablesOf(NamedTuple):
+    """A problem with its tables."""
+
+    problem: Problem
+    tables: SearchTables
+
+
+def make_tables(problem: Problem, earlier: TablesOf | None = None) -> SearchTables:
+    """The arrays of a problem; lengths of moves and orders are those of an `earlier` one where they are the same."""
+    legs = make_legs(problem, None if earlier is None else (earlier.problem, earlier.tables.legs))
     return SearchTables(
         legs,
-        make_orders(problem, legs),
+        _orders_of(earlier, problem, legs) or make_orders(problem, legs),
         make_demands(problem),
         make_crossed(problem, priced=legs.travel.size > 0),
         make_groups(problem),
@@ -48,6 +55,17 @@ def make_tables(problem: Problem) -> SearchTables:
         make_literals(problem),
         make_arcs(problem, legs),
     )
+
+
+def _orders_of(earlier: TablesOf | None, problem: Problem, legs: Legs) -> OrderLists | None:
+    """The orders of an earlier problem, if they and the lengths that neighbours are found by are this one's."""
+    if earlier is None or legs.travel is not earlier.tables.legs.travel:
+        return None
+    other, known = earlier.problem, earlier.tables.legs
+    same = np.array_equal(problem.block, other.block) and np.array_equal(legs.first, known.first)
+    same = same and np.array_equal(legs.pierce, known.pierce) and np.array_equal(legs.end, known.end)
+    same = same and (problem.before is other.before or np.array_equal(problem.before, other.before))
+    return earlier.tables.orders if same else None
 
 
 # Which contour may stand where: precedence in lists, blocks, and who may follow whom.

@@ -65,29 +65,47 @@ class Legs(NamedTuple):
     price: Ints
 
 
-def make_legs(problem: Problem) -> Legs:
-    """The legs of a problem."""
+NO_MATRIX = np.zeros((0, 0), dtype=np.int64)
+
+
+def make_legs(problem: Problem, earlier: tuple[Problem, Legs] | None = None) -> Legs:
+    """The legs of a problem; the matrices are those of an `earlier` one where they are the same."""
+    legs = _without_matrix(problem)
+    if problem.matrix is None and legs.m > MATRIX_SITES:
+        return legs
+    if earlier is not None and _same_moves(problem, legs, *earlier):
+        return legs._replace(travel=earlier[1].travel, leave=earlier[1].leave, enter=earlier[1].enter)
+    travel = problem.travel(np.arange(legs.m + 1), np.arange(legs.m + 1))
+    from_site, to_site, cost = always_crossed(problem)
+    np.add.at(travel, (from_site, to_site), cost)
+    barred = travel.max() > LAWFUL_MOST
+    lawful = np.where(travel > LAWFUL_MOST, travel - UNLAWFUL, travel) if barred else travel
+    leave = _least(lawful[:, : legs.m], problem.first, axis=1)
+    enter = _least(lawful[: legs.m], problem.first, axis=0).T
+    return legs._replace(travel=travel, leave=np.ascontiguousarray(leave), enter=np.ascontiguousarray(enter))
+
+
+def _same_moves(problem: Problem, legs: Legs, other: Problem, known: Legs) -> bool:
+    """Whether moves cost the same in another problem, as far as that is soon seen: no matrix given, none crosses."""
+    if len(problem.crossings) or len(other.crossings) or problem.matrix is not None or other.matrix is not None:
+        return False
+    fields = (name for name in Legs._fields if name not in ("travel", "leave", "enter", "site_cost"))
+    return all(np.array_equal(getattr(legs, name), getattr(known, name)) for name in fields)
+
+
+def _without_matrix(problem: Problem) -> Legs:
+    """The legs of a problem without the matrices of its moves."""
     n, m = problem.n, problem.m
     prices = problem.moves.price
-    if problem.matrix is None and m > MATRIX_SITES:
-        travel = leave = enter = np.zeros((0, 0), dtype=np.int64)
-    else:
-        travel = problem.travel(np.arange(m + 1), np.arange(m + 1))
-        from_site, to_site, cost = always_crossed(problem)
-        np.add.at(travel, (from_site, to_site), cost)
-        barred = travel.max() > LAWFUL_MOST
-        lawful = np.where(travel > LAWFUL_MOST, travel - UNLAWFUL, travel) if barred else travel
-        leave = _least(lawful[:, :m], problem.first, axis=1)
-        enter = _least(lawful[:m], problem.first, axis=0).T
     return Legs(
         n=n,
         m=m,
         first=problem.first,
         contour=np.append(problem.site_contour, n),
         site_cost=problem.site_cost,
-        travel=travel,
-        leave=np.ascontiguousarray(leave),
-        enter=np.ascontiguousarray(enter),
+        travel=NO_MATRIX,
+        leave=NO_MATRIX,
+        enter=NO_MATRIX,
         pierce=problem.pierces().astype(np.float64),
         end=problem.ends().astype(np.float64),
         weight=float(problem.travel_weight),
