@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.geometry.curve import Curve
@@ -127,6 +126,8 @@ def _longest(path: Curve) -> tuple[float, float] | None:
     points = np.array([path.segments[0].start, *(segment.end for segment in path.segments)])
     at_mm = path.starts_mm
     found: list[tuple[float, float]] = []
+    from scipy.spatial import cKDTree  # a check of a program with its nest does without
+
     tree = cKDTree(points)
     if tree.count_neighbors(tree, CLOSED_MM) > _MOST_PAIRS:
         raise NotRound("its path touches itself too often")
