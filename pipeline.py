@@ -74,10 +74,6 @@ class FinishedPlan:
     made: VerifiedPlan
 
 
-OrdersOf = Callable[[Facts, Profile, Stated], "SimulatedOrders"]
-"""Makes what finds orders by simulation."""
-
-
 class Watchers(NamedTuple):
     """Who hears of a plan while it is made.
 
@@ -112,7 +108,6 @@ def plan_nest(
     already: AlreadyCut = NOTHING_CUT,
     relax: bool = False,
     whole: CommandLimit | None = None,
-    orders: OrdersOf | None = None,
     facts: Facts | None = None,
 ) -> FinishedPlan:
     """Plan a nest, or what is left of it, write the program, and judge both.
@@ -129,8 +124,6 @@ def plan_nest(
         Where hard rules clash, the cheapest statements give way, marked in the plan.
     whole
         A limit of the command that this is part of, in place of one in seconds for the planning alone.
-    orders
-        What finds orders by another simulation than that of heat, where the profile has a price on what that shows.
     facts
         What `facts_of` finds of the same nest, profile and cuts, where it was asked before.
 
@@ -158,6 +151,7 @@ def plan_nest(
     try:
         request = make_request(facts, profile, relax, limit.facts_made())
         left = limit.stated()
+        orders = method.orders
         if profile.objective.distortion and orders is None:
             watchers.tell("objective.distortion is not looked at here: only `solve` chooses plans by it")
         with listener:

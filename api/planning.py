@@ -10,7 +10,7 @@ from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.text import unknown
-from kerfwise.jobs.by_engine import Method
+from kerfwise.jobs.by_engine import Method, OrdersOf
 from kerfwise.jobs.inputs import Inputs, NestLike, ProfileLike
 from kerfwise.jobs.nest_job.request import JobLike, inputs_for
 from kerfwise.jobs.progress import Listener, OnProgress
@@ -23,7 +23,7 @@ from kerfwise.models.engines.tuning import MEMORY_GB
 from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.models.plan.conflict import Conflict, NotAnswered, find_conflict
 from kerfwise.models.plan.plan import Plan
-from kerfwise.pipeline import OrdersOf, Watchers, plan_nest
+from kerfwise.pipeline import Watchers, plan_nest
 
 from .reading import LockLike, Settings, nest_request, plan_of, plan_or_path
 
@@ -157,11 +157,10 @@ def solve(
         done = plan_nest(
             inputs,
             limits,
-            Method(engine, solver, strategy, None if start is None else plan_of(start), first),
+            Method(engine, solver, strategy, None if start is None else plan_of(start), first, orders),
             Watchers(listener, notes.append),
             already=already_cut_by(inputs, resume_from, upto, redo_last, notes),
             relax=relax,
-            orders=orders,
         )
     except NoPlan:
         if listener.interrupted:

@@ -123,28 +123,25 @@ def _naming_the_nest(verb: Verb) -> Verb:
 def read_inputs(
     nest: str,
     profile: str | None,
-    units: str | None,
-    sheet: str | None,
-    frame: FrameName | None,
-    repair: bool,
     origin: Origin | None = None,
     trust: bool = False,
-    refit_arcs: str | None = None,
-    **of_nest: Any,
+    **options: Any,
 ) -> Inputs:
     """Read both, the nest as the profile has it cut; what the reader has to say goes to standard error, a line each.
 
-    What its job file, --set and --lock say is laid over the profile: `of_nest` is what `nest_request` takes.
+    What its job file, --set and --lock say is laid over the profile: `options` are those that `nest_options` adds, with
+    what else `nest_request` takes.
     """
     from kerfwise.jobs.inputs import refit_as_made
     from kerfwise.jobs.nest_job.request import job_for, kept_answers, locked_for, locks_told, profile_for
 
-    request = nest_request(profile, **of_nest)
+    of_reading = [options.pop(name) for name in OF_READING]
+    request = nest_request(profile, **options)
     job = job_for(nest, request.job, print_note)
     plant = profile_for(request, job, print_note, lambda named: plant_of(named, trust))
     if lock_note := locks_told(plant):
         print_note(lock_note)
-    reading = reading_options(units, sheet, frame, repair, refit_arcs)
+    reading = reading_options(*of_reading)
     reading["refit_arcs_mm"] = refit_as_made(reading["refit_arcs_mm"], request.last, plant, print_note)
     read = drawn_nest(nest, plant, **reading)
     if (kept := kept_answers(nest, job, request, read, print_note)) is not job:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,17 +13,24 @@ import click
 from kerfwise.app_modules import app_module
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import escape_text
-from kerfwise.jobs.by_engine import Method
+from kerfwise.jobs.by_engine import Method, OrdersOf
 from kerfwise.jobs.request import NoPlan
 from kerfwise.models.engines import STRATEGIES
 from kerfwise.models.jit import counted_s
 from kerfwise.pipeline import Watchers
 
+from .option_groups import (
+    GAP,
+    NO_IMPROVEMENT,
+    RELAX,
+    Stopped,
+    limit_options,
+    stopped_options,
+    together,
+)
 from .shared_options import (
-    AMOUNT_OVER_ZERO,
     DATE,
     MEMORY,
-    Amount,
     EngineChoice,
     input_options,
     note_placing,
@@ -33,9 +42,11 @@ from .shared_options import (
 
 if TYPE_CHECKING:
     from kerfwise.jobs.inputs import Inputs
-    from kerfwise.jobs.time_limits import CommandLimit
+    from kerfwise.models.engines.solution import Limits
     from kerfwise.models.plan.plan import Plan
-    from kerfwise.pipeline import OrdersOf
+    from kerfwise.pipeline import FinishedPlan, VerifiedPlan
+
+    from .page_picture import DrawnBeside
 
 
 def _plan_at_hand(path: str, inputs: Inputs) -> Plan:
@@ -74,219 +85,246 @@ def print_conflict(no_plan: NoPlan, picture: str | Path) -> int:
     return 1
 
 
-# The drawing of a nest in cutting order, as solve writes it for the senders of others.
+# The files that solve writes: what is refused of their names before the work, and what is in them after it.
 
 
-def expect_drawings(svg: str | None, dxf: str | None) -> None:
-    """Say at once that a name does not end as its kind does."""
-    for name, suffix in ((svg, ".svg"), (dxf, ".dxf")):
-        if name and Path(name).suffix.lower() != suffix:
-            raise InputError(f"the reordered drawing is written as {suffix}: give a name that ends so", file=name)
+@dataclass(frozen=True, slots=True)
+class Outputs:
+    """Names of the files: program, plan, torch's paths, drawings in cutting order, pictures of plan and conflict."""
 
+    output: str | None
+    plan_path: str | None
+    dxf: str | None
+    svg: str | None
+    reordered_dxf: str | None
+    picture: str | None
+    conflict_picture: str | None
 
-def expect_as_drawn(inputs: Inputs, svg: str | None, dxf: str | None) -> None:
-    """Say before the work that the drawing does not show what is cut."""
-    if (svg or dxf) and inputs.nest.bridges:
-        option = "--svg" if svg else "--reordered-dxf"
-        raise InputError(
-            f"{option}: bridges join parts, and the drawing has these apart: --dxf writes the torch's paths"
-        )
+    @property
+    def paths(self) -> tuple[str | None, ...]:
+        """All of them."""
+        named = (self.output, self.plan_path, self.dxf, self.picture, self.conflict_picture)
+        return (*named, self.svg, self.reordered_dxf)
 
+    @property
+    def suffix(self) -> str | None:
+        """Of the picture of the plan."""
+        return None if self.picture is None else Path(self.picture).suffix
 
-def drawings(
-    plan: Plan, inputs: Inputs, svg: str | None, dxf: str | None, options: Mapping[str, Any]
-) -> dict[Path, str | bytes]:
-    """The files that are asked for; what is not in them is said."""
-    if not svg and not dxf:
-        return {}
-    from kerfwise.postproc.nc.ordered_drawings import reordered_dxf, reordered_svg
+    def checked(self, nest: Path, *read: str | None) -> Outputs:
+        """The same with the names that files have where none is given; `read` are files that are read besides the nest.
 
-    files: dict[Path, str | bytes] = {}
-    for name, reordered in ((svg, reordered_svg), (dxf, reordered_dxf)):
-        if name:
-            drawing = reordered(plan, inputs.nest, options["nest"], reading_of(inputs, options))
-            files[Path(name)] = drawing.content
-            for note in drawing.notes:
-                print_note(f"{name}: {note}")
-    return files
+        Raises InputError for a name that could not be written after the work.
+        """
+        from kerfwise.postproc.output_files import expect_outputs, expect_own, output_names
+        from kerfwise.postproc.report import expect_picture
+
+        if not nest.name:
+            raise InputError("this is a folder; expected a nest file", file=nest)
+        full = replace(self, conflict_picture=self.conflict_picture or f"{nest.stem}.conflict.svg")
+        if by_default := all(name is None for name in replace(self, conflict_picture=None).paths):
+            output, plan_path, picture = output_names(nest)
+            full = replace(full, output=output, plan_path=plan_path, picture=picture)
+        for name, suffix in ((self.svg, ".svg"), (self.reordered_dxf, ".dxf")):
+            if name and Path(name).suffix.lower() != suffix:
+                raise InputError(f"the reordered drawing is written as {suffix}: give a name that ends so", file=name)
+        if self.dxf and Path(self.dxf).suffix.lower() != ".dxf":
+            raise InputError("the torch's paths are written as DXF: give a name ending in .dxf", file=self.dxf)
+        for picture_name in (full.picture, full.conflict_picture):
+            if picture_name:
+                expect_picture(Path(picture_name).suffix, picture_name)
+        expect_outputs((Path(name) for name in full.paths if name), (nest, *(Path(name) for name in read if name)))
+        if by_default:
+            expect_own(nest, Path(str(full.output)), Path(str(full.plan_path)), Path(str(full.picture)))
+        return full
+
+    def expect_as_drawn(self, inputs: Inputs) -> None:
+        """Say before the work that the drawing does not show what is cut. Raises InputError."""
+        if (self.svg or self.reordered_dxf) and inputs.nest.bridges:
+            option = "--svg" if self.svg else "--reordered-dxf"
+            raise InputError(
+                f"{option}: bridges join parts, and the drawing has these apart: --dxf writes the torch's paths"
+            )
+
+    def contents(
+        self, verified: VerifiedPlan, inputs: Inputs, options: Mapping[str, Any], beside: DrawnBeside
+    ) -> dict[Path, str | bytes]:
+        """What is in each file; what is not in a drawing is said."""
+        from kerfwise.commands.page_picture import planned_picture
+        from kerfwise.postproc.nc.ordered_drawings import write_dxf
+        from kerfwise.postproc.output_files import remnant_files
+
+        plan, files = verified.plan, dict[Path, str | bytes]()
+        if self.output:
+            files[Path(self.output)] = verified.program
+            files |= remnant_files(self.output, inputs.nest, inputs.profile)
+        if self.plan_path:
+            files[Path(self.plan_path)] = plan.to_json()
+        if self.dxf:
+            files[Path(self.dxf)] = write_dxf(plan, inputs.nest, inputs.profile)
+        files |= self._drawings(plan, inputs, options)
+        if self.picture and self.suffix is not None:
+            files[Path(self.picture)] = planned_picture(inputs, verified, self.suffix, beside)
+        return files
+
+    def _drawings(self, plan: Plan, inputs: Inputs, options: Mapping[str, Any]) -> dict[Path, str | bytes]:
+        """The drawing of the nest in cutting order, as the senders of others read it."""
+        if not self.svg and not self.reordered_dxf:
+            return {}
+        from kerfwise.postproc.nc.ordered_drawings import reordered_dxf, reordered_svg
+
+        files: dict[Path, str | bytes] = {}
+        for name, reordered in ((self.svg, reordered_svg), (self.reordered_dxf, reordered_dxf)):
+            if name:
+                drawing = reordered(plan, inputs.nest, options["nest"], reading_of(inputs, options))
+                files[Path(name)] = drawing.content
+                for note in drawing.notes:
+                    print_note(f"{name}: {note}")
+        return files
 
 
 @click.command()
 @input_options
-@click.option(
-    "-o",
-    "--output",
-    metavar="OUT.nc",
-    help="Write the program. Default, without any output: NEST.nc, .plan.json, .svg.",
+@together(
+    "outputs",
+    Outputs,
+    click.option(
+        "-o",
+        "--output",
+        metavar="OUT.nc",
+        help="Write the program. Default, without any output: NEST.nc, .plan.json, .svg.",
+    ),
+    click.option("--plan", "plan_path", metavar="PLAN.json", help="Write the plan."),
+    click.option("--dxf", metavar="OUT.dxf", help="Write the torch's paths as DXF, one polyline per cut, in order."),
+    click.option("--svg", metavar="OUT.svg",
+                 help="Write the drawing with its shapes in cutting order, for other senders."),
+    click.option("--reordered-dxf", metavar="OUT.dxf", help="The same as DXF: geometry, layers and colours as drawn."),
+    click.option("--picture", metavar="OUT.svg|.png|.pdf|.html", help="Write a picture of the plan."),
+    click.option("--conflict-picture", metavar="OUT.svg|.png",
+                 help="Picture of a conflict of rules. Default: NEST.conflict.svg."),
+)  # fmt: skip
+@limit_options(
+    GAP,
+    NO_IMPROVEMENT,
+    MEMORY,
+    click.option("--engine", type=EngineChoice(), default="portfolio", show_default=True,
+                 help="`kerfwise engines` describes them."),
+    of="of the command",
+)  # fmt: skip
+@together(
+    "method",
+    dict,
+    click.option("--solver", metavar="NAME", default="gecode", show_default=True,
+                 help="Solver of the engine minizinc."),
+    click.option("--strategy", type=click.Choice(list(STRATEGIES)), default="ours", show_default=True,
+                 help="All but ours are for comparison: they keep the hard rules and ignore soft ones."),
+    click.option("--first", is_flag=True, help="Write the first lawful plan, which a moment's search finds, and stop."),
+)  # fmt: skip
+@stopped_options(
+    "With --upto, resume after a stop: plan only what this plan or program has not cut. Alone, number locks such as "
+    "'#7 first' by it."
 )
-@click.option("--plan", "plan_path", metavar="PLAN.json", help="Write the plan.")
-@click.option("--dxf", metavar="OUT.dxf", help="Write the torch's paths as DXF, one polyline per cut, in order.")
-@click.option("--svg", metavar="OUT.svg", help="Write the drawing with its shapes in cutting order, for other senders.")
-@click.option("--reordered-dxf", metavar="OUT.dxf", help="The same as DXF: geometry, layers and colours as drawn.")
-@click.option("--picture", metavar="OUT.svg|.png|.pdf|.html", help="Write a picture of the plan.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of the command, in seconds.")
-@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
-              help="Deterministic limit, without --time-limit: the same work gives the same bytes.")  # fmt: skip
-@click.option(
-    "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
-)
-@click.option("--gap", type=Amount(min=0, max=1), metavar="G",
-              help="Stop at this gap; 0.01 is 1 %.")  # fmt: skip
-@click.option("--no-improvement", type=AMOUNT_OVER_ZERO, metavar="S",
-              help="Stop after S seconds without a better plan.")  # fmt: skip
-@MEMORY
-@click.option("--engine", type=EngineChoice(), default="portfolio", show_default=True,
-              help="`kerfwise engines` describes them.")  # fmt: skip
-@click.option("--solver", metavar="NAME", default="gecode", show_default=True, help="Solver of the engine minizinc.")
-@click.option("--strategy", type=click.Choice(list(STRATEGIES)), default="ours", show_default=True,
-              help="All but ours are for comparison: they keep the hard rules and ignore soft ones.")  # fmt: skip
-@click.option("--lock-from", metavar="OLD.plan.json|OLD.nc",
-              help="With --upto, resume after a stop: plan only what this plan or program has not cut. Alone, number "
-                   "locks such as '#7 first' by it.")  # fmt: skip
-@click.option(
-    "--upto", type=click.IntRange(min=1), metavar="N", help="Number of its last finished cut; with --lock-from."
-)
-@click.option("--redo-last", is_flag=True, help="Repeat cut N, which broke off, from its start; with --lock-from.")
-@click.option(
-    "--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones and mark them in the plan."
-)
-@click.option(
-    "--conflict-picture", metavar="OUT.svg|.png", help="Picture of a conflict of rules. Default: NEST.conflict.svg."
-)
+@RELAX
 @DATE
-@click.option("--first", is_flag=True, help="Write the first lawful plan, which a moment's search finds, and stop.")
 @click.option("--start", "start_path", metavar="OLD.plan.json",
               help="Go on from this plan, as of the nest before an edit; today's costs no more.")  # fmt: skip
 @click.option("-v", "--verbose", is_flag=True, help="Report which engines ran, which did not, and why.")
 def command(
-    output: str | None,
-    plan_path: str | None,
-    dxf: str | None,
-    svg: str | None,
-    reordered_dxf: str | None,
-    picture: str | None,
-    time_limit: float | None,
-    work: float,
-    seed: int,
-    gap: float | None,
-    no_improvement: float | None,
-    memory_gb: float,
-    engine: Any,
-    solver: str,
-    strategy: Any,
-    lock_from: str | None,
-    upto: int | None,
-    redo_last: bool,
+    outputs: Outputs,
+    limits: Limits,
+    method: dict[str, Any],
+    stopped: Stopped,
     relax: bool,
-    conflict_picture: str | None,
     date: str,
-    first: bool,
     start_path: str | None,
     verbose: bool,
     **options: Any,
 ) -> int:
     """Write a checked cutting program of NEST that keeps every hard rule of the profile."""
     began_s = counted_s()
-    from kerfwise.commands.page_picture import DrawnBeside, planned_picture
-    from kerfwise.jobs.display import job_line, summary
+    from kerfwise.commands.page_picture import DrawnBeside
     from kerfwise.jobs.request import options_for
-    from kerfwise.jobs.resume import already_cut
     from kerfwise.jobs.time_limits import CommandLimit
     from kerfwise.jobs.warm_up import search_beside
     from kerfwise.pipeline import plan_nest
-    from kerfwise.postproc.nc.ordered_drawings import write_dxf
-    from kerfwise.postproc.output_files import expect_own, output_names, remnant_files, remnant_names, write_files
+    from kerfwise.postproc.output_files import remnant_names
 
     from .progress import ProgressLine
 
-    file = Path(options["nest"])
-    if not file.name:
-        raise InputError("this is a folder; expected a nest file", file=file)
-    if by_default := output is plan_path is dxf is picture is svg is reordered_dxf is None:
-        output, plan_path, picture = output_names(file)
-    conflict_picture = conflict_picture or f"{file.stem}.conflict.svg"
-    outputs = (output, plan_path, dxf, picture, conflict_picture, svg, reordered_dxf)
-    expect_drawings(svg, reordered_dxf)
-    if dxf and Path(dxf).suffix.lower() != ".dxf":
-        raise InputError("the torch's paths are written as DXF: give a name ending in .dxf", file=dxf)
-    _expect(outputs, (picture, conflict_picture), (file, lock_from, start_path))
-    if by_default:
-        expect_own(file, Path(str(output)), Path(str(plan_path)), Path(str(picture)))
+    lock_from = stopped.lock_from
+    outputs = outputs.checked(Path(options["nest"]), lock_from, start_path)
     inputs = read_inputs(**options, last=lock_from, date=date)
-    beside_program = remnant_names(output, inputs.profile) if output else ()
-    protect(inputs, options["nest"], (*outputs, *beside_program), lock_from)
-    expect_as_drawn(inputs, svg, reordered_dxf)
+    beside_program = remnant_names(outputs.output, inputs.profile) if outputs.output else ()
+    protect(inputs, options["nest"], (*outputs.paths, *beside_program), lock_from)
+    outputs.expect_as_drawn(inputs)
     note_placing(inputs)
     start = None if start_path is None else _plan_at_hand(start_path, inputs)
-    already = already_cut(inputs, lock_from, upto, redo_last, print_note)
-    limits = options_for(
-        inputs.nest, inputs.profile,
-        work=work, seed=seed, time_s=time_limit, gap=gap, no_improvement_s=no_improvement, engine=engine,
-        memory_gb=memory_gb,
-    )  # fmt: skip
-    suffix = None if picture is None else Path(picture).suffix
-    home = inputs.profile.home_on(inputs.nest)
-    beside = click.get_current_context().with_resource(DrawnBeside(inputs.nest, suffix, home))
-    drawn = () if suffix is None else (suffix,)
-    whole = None if time_limit is None else CommandLimit(time_limit, began_s, drawn, beside=beside.draws)
+    already = stopped.already_cut(inputs)
+    of_plan = options_for(inputs.nest, inputs.profile, **limits)
+    beside = DrawnBeside(inputs.nest, outputs.suffix, inputs.profile.home_on(inputs.nest))
+    beside = click.get_current_context().with_resource(beside)
+    drawn = () if outputs.suffix is None else (outputs.suffix,)
+    time_s = limits["time_s"]
+    whole = None if time_s is None else CommandLimit(time_s, began_s, drawn, beside=beside.draws)
     listener = ProgressLine()
     orders, foretold = _distortion(inputs)
-    if engine in ("portfolio", "search"):
+    if limits["engine"] in ("portfolio", "search"):
         search_beside(len(inputs.nest.contours))
     try:
         done = plan_nest(
             inputs,
-            limits,
-            Method(engine, solver, strategy, start, first),
+            of_plan,
+            Method(limits["engine"], start=start, orders=orders, **method),
             Watchers(listener, print_note, planned=beside.begin),
             already=already,
             relax=relax,
             whole=whole,
-            orders=orders,
         )
     except NoPlan as no_plan:
-        code = print_conflict(no_plan, conflict_picture)
-        _tell_late(whole)
-        return code
-    verified = done.made
-    found = None
-    if foretold and verified.verdict.ok:
-        found = app_module("distortion.predict").distort_made(done.given, verified.plan)
-    if found is not None and inputs.profile.distortion.keep_tolerance and found.beyond:
-        click.echo(f"kerfwise: {found.line()} (distortion.keep_tolerance); nothing was written", err=True)
-        _tell_late(whole)
-        return 1
-    files: dict[Path, str | bytes] = {}
-    if verified.verdict.ok:
-        if output:
-            files[Path(output)] = verified.program
-            files |= remnant_files(output, inputs.nest, inputs.profile)
-        if plan_path:
-            files[Path(plan_path)] = verified.plan.to_json()
-        if dxf:
-            files[Path(dxf)] = write_dxf(verified.plan, inputs.nest, inputs.profile)
-        files |= drawings(verified.plan, inputs, svg, reordered_dxf, options)
-        if picture and suffix is not None:
-            files[Path(picture)] = planned_picture(inputs, verified, suffix, beside)
-        write_files(files)
-    if verbose:
-        click.echo("\n".join(verified.notes))
-    if inputs.nest.reading is not None and inputs.nest.reading.taken:
-        click.echo(escape_text(inputs.nest.reading.short()))
-    click.echo(summary(verified.plan, verified.verdict))
-    if line := listener.first_line(verified.plan.solve.objective, began_s):
-        click.echo(line)
-    if found is not None:
-        click.echo(found.line())
-    if inputs.job is not None and (line := job_line(inputs.job, verified.plan)):
-        click.echo(line)
-    if not verified.verdict.ok:
+        code = print_conflict(no_plan, str(outputs.conflict_picture))
+    else:
+        first_line = listener.first_line(done.made.plan.solve.objective, began_s)
+        contents = partial(outputs.contents, done.made, inputs, options, beside)
+        refused = _finish(done, inputs, foretold, first_line, verbose, contents)
+        code = refused or (130 if listener.interrupted else 0)
+    if whole is not None and (over := whole.over()):  # what took how long, where the command took longer than its limit
+        print_note(over)
+    return code
+
+
+def _finish(
+    done: FinishedPlan,
+    inputs: Inputs,
+    predicts: bool,
+    first_line: str,
+    verbose: bool,
+    contents: Callable[[], dict[Path, str | bytes]],
+) -> int:
+    """Write the files of a plan that passes, and say what was planned; with `predicts` how far parts will be off."""
+    from kerfwise.jobs.display import job_line, summary
+    from kerfwise.postproc.output_files import write_files
+
+    plan, verdict, reading = done.made.plan, done.made.verdict, inputs.nest.reading
+    of_parts = ""
+    if predicts and verdict.ok:
+        found = app_module("distortion.predict").distort_made(done.given, plan)
+        of_parts = found.line()
+        if inputs.profile.distortion.keep_tolerance and found.beyond:
+            click.echo(f"kerfwise: {of_parts} (distortion.keep_tolerance); nothing was written", err=True)
+            return 1
+    files = contents() if verdict.ok else {}
+    write_files(files)
+    notes = "\n".join(done.made.notes) if verbose else ""
+    read = escape_text(reading.short()) if reading is not None and reading.taken else ""
+    of_job = "" if inputs.job is None else job_line(inputs.job, plan)
+    for text in (notes, read, summary(plan, verdict), first_line, of_parts, of_job):
+        if text:
+            click.echo(text)
+    if not verdict.ok:
         click.echo("kerfwise: the check refuses this plan; nothing was written", err=True)
-        _tell_late(whole)
         return 1
     click.echo("written: " + ", ".join(escape_text(str(path)) for path in files))
-    _tell_late(whole)
-    return 130 if listener.interrupted else 0
+    return 0
 
 
 def _distortion(inputs: Inputs) -> tuple[OrdersOf | None, bool]:
@@ -297,20 +335,3 @@ def _distortion(inputs: Inputs) -> tuple[OrdersOf | None, bool]:
         return None, False
     orders: OrdersOf | None = app_module("distortion.straighter").orders_for(inputs)
     return orders, True
-
-
-def _tell_late(whole: CommandLimit | None) -> None:
-    """Say what took how long where the command, which ends now, has taken longer than its limit."""
-    if whole is not None and (over := whole.over()):
-        print_note(over)
-
-
-def _expect(outputs: Iterable[str | None], pictures: Iterable[str | None], inputs: Iterable[str | Path | None]) -> None:
-    """Say before the work what could not be written after it."""
-    from kerfwise.postproc.output_files import expect_outputs
-    from kerfwise.postproc.report import expect_picture
-
-    for picture in pictures:
-        if picture:
-            expect_picture(Path(picture).suffix, picture)
-    expect_outputs((Path(name) for name in outputs if name), (Path(name) for name in inputs if name))

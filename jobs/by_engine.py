@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
@@ -20,10 +20,17 @@ from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Statement
 from kerfwise.rules.stating.lazy_statements import lazy_statements, look_takes_s
+from kerfwise.rules.stating.state_rules import Stated
 
 from .adaptive_zones import rungs
 from .inputs import expect_one_torch
 from .request import Request
+
+if TYPE_CHECKING:
+    from .cooler_orders import SimulatedOrders
+
+OrdersOf = Callable[[Facts, Profile, Stated], "SimulatedOrders"]
+"""Makes what finds orders by simulation."""
 
 
 class Method(NamedTuple):
@@ -39,6 +46,8 @@ class Method(NamedTuple):
         A plan at hand, as of the nest before an edit: the new one costs no more than this does under what is asked now.
     first
         Give the first lawful plan and stop, but where temperature, or a price on what a simulation shows, decides.
+    orders
+        What finds orders by another simulation than that of heat, where the profile has a price on what that shows.
     """
 
     engine: Engine = "portfolio"
@@ -46,6 +55,7 @@ class Method(NamedTuple):
     strategy: Strategy = "ours"
     start: Plan | None = None
     first: bool = False
+    orders: OrdersOf | None = None
 
     @property
     def is_portfolio(self) -> bool:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Unpack
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.bevels.room import kept_candidates
@@ -31,12 +31,10 @@ from kerfwise.encoder.progress_notice import amount, long_job
 from kerfwise.encoder.questions import SHARED_EDGES, Choice, Question, Questions, with_answers
 from kerfwise.encoder.text import unknown
 from kerfwise.models.engines import ENGINES, Engine, member_of
-from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.engines.tuning import MEMORY_GB
+from kerfwise.models.engines.solution import Limits, Solution, SolveOptions
 from kerfwise.models.engines.tuning import REQUEST_ENOUGH_WORK as ENOUGH_WORK
 from kerfwise.models.engines.tuning import REQUEST_LONGER as LONGER
 from kerfwise.models.engines.tuning import REQUEST_RELAX as RELAX
-from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.models.jit import running_s
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj
@@ -328,21 +326,10 @@ def _requested(facts: Facts, profile: Profile, relax: bool, limits: SolveOptions
 # The limits of a solve for one nest and one profile: whoever solves gets home and feeds from here.
 
 
-def options_for(
-    nest: Nest,
-    profile: Profile,
-    *,
-    work: float = WORK,
-    seed: int = 1,
-    time_s: float | None = None,
-    gap: float | None = None,
-    no_improvement_s: float | None = None,
-    engine: Engine = "portfolio",
-    memory_gb: float = MEMORY_GB,
-) -> SolveOptions:
+def options_for(nest: Nest, profile: Profile, **limits: Unpack[Limits]) -> SolveOptions:
     """The limits given, with the machine's home on this nest and the feeds that plans are made with.
 
-    See `SolveOptions` for what each limit means.
+    See `SolveOptions` for what each limit means; `work` is 30 and `engine` all of them where nothing is said.
 
     Raises
     ------
@@ -359,17 +346,18 @@ def options_for(
     >>> options.work, options.member, options.home_mm, round(options.feeds.cut_mm_s, 1)
     (2, 'ideals', (0.0, 0.0), 41.7)
     """
-    amounts = {"work": work, "time_s": time_s, "no_improvement_s": no_improvement_s, "memory_gb": memory_gb}
+    amounts: dict[str, Any] = {name: limits.get(name) for name in ("work", "time_s", "no_improvement_s", "memory_gb")}
     for name, this_amount in amounts.items():
         if this_amount is not None:
             _expect(name, this_amount, "a number over 0", _is_number(this_amount) and this_amount > 0)
+    gap, seed, engine = limits.get("gap"), limits.get("seed", 1), limits.get("engine", "portfolio")
     if gap is not None:
         _expect("gap", gap, "a share from 0 to 1, such as 0.01", _is_number(gap) and 0 <= gap <= 1)
     _expect("seed", seed, "a whole number from 0", isinstance(seed, int) and seed >= 0)
     if engine not in ENGINES:
         raise InputError(unknown("engine", str(engine), ENGINES))
-    home_mm, feeds, member = profile.home_on(nest), feeds_of(profile), member_of(engine)
-    return SolveOptions(seed, work, time_s, home_mm, feeds, gap, no_improvement_s, member, memory_gb)
+    named: dict[str, Any] = {name: value for name, value in limits.items() if name != "engine"}
+    return SolveOptions(**named, home_mm=profile.home_on(nest), feeds=feeds_of(profile), member=member_of(engine))
 
 
 def _is_number(value: object) -> bool:

@@ -102,6 +102,18 @@ class Batch:
         return 0 if ends <= {"planned"} else 3 if ends <= {"planned", "asks"} else 1
 
 
+@dataclass(frozen=True, slots=True)
+class Beside:
+    """What a batch does besides: retry what was refused, print work sheets, remove outputs of nests not given."""
+
+    refused_again: bool = False
+    sheets: bool = False
+    tidy: bool = False
+
+
+PLANS_ALONE = Beside()
+
+
 def run_batch(
     sources: Iterable[Source],
     machines: Machines,
@@ -110,30 +122,25 @@ def run_batch(
     version: str,
     run: Run,
     watcher: Watcher | None = None,
-    *,
-    refused_again: bool = False,
-    sheets: bool = False,
-    tidied: bool = False,
+    beside: Beside = PLANS_ALONE,
 ) -> Batch:
     """Plan every nest on every machine, and write the index of all.
 
-    What the store has finished is not planned again, and what was refused only where `refused_again` says so. Each
+    What the store has finished is not planned again, and what was refused only where `beside` says so. Each
     program is written as soon as it is there: whoever kills this loses what is being planned, and nothing else. Where a
     job file names another machine than before, the program for the one that it means no more is removed.
-    `sheets` says that the work sheets of each machine are printed, too, `tidied` that what earlier runs wrote of nests
-    that are not among the sources is removed.
     """
     watcher = watcher or Watcher()
     pieces = list(_pieces(name_sources(sources, store.names()), machines, store.out, options, version))
     _leave(pieces, machines, store)
     named_here = {(piece.machine.name, piece.name) for piece in pieces}
-    removed = tidy(store, named_here) if tidied else 0
+    removed = tidy(store, named_here) if beside.tidy else 0
     rows: dict[NestTask, Row] = {}
     tasks = []
     for piece in pieces:
         key = piece.key()
         row = store.finished(piece.machine.name, piece.name, key)
-        if row is None or (refused_again and not row.planned):
+        if row is None or (beside.refused_again and not row.planned):
             tasks.append(Task(piece, key))
         else:
             rows[piece] = replace(row, source=str(piece.source))
@@ -152,7 +159,7 @@ def run_batch(
     ended = {piece: rows[piece] for piece in pieces if piece in rows}
     done = tuple(ended.values())
     names = tuple(dict.fromkeys([*(m.name for m in machines.named), *(piece.machine.name for piece in pieces)]))
-    papers = papers_of(ended, names, store.out, make=sheets and not interrupted)
+    papers = papers_of(ended, names, store.out, make=beside.sheets and not interrupted)
     left = stale_outputs(store, named_here)
     write_files({store.out / name: text for name, text in index_files(done, names, papers.files, left).items()})
     return Batch(done, names, again, len(pieces) - len(done), interrupted, faults, papers, left, removed)

@@ -14,16 +14,19 @@ import click
 
 from kerfwise import __version__
 from kerfwise.app_modules import library
-from kerfwise.commands.shared_options import AMOUNT_OVER_ZERO, TRUST, Amount, print_note
+from kerfwise.commands.option_groups import GAP, RELAX, limit_options, together
+from kerfwise.commands.shared_options import AMOUNT_OVER_ZERO, TRUST, print_note
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import clock, escape_text, money
 from kerfwise.postproc.report.legend import counted
 from kerfwise.rules.profile.load import DEFAULT
 
 from .result import groups_of, totals, truncate
-from .run import Batch, Watcher
+from .run import Batch, Beside, Watcher
 
 if TYPE_CHECKING:
+    from kerfwise.models.engines.solution import Limits
+
     from .result import Row
     from .run import Run
     from .tasks import Machines, NestTask, Source
@@ -128,41 +131,40 @@ _NAME = re.compile(r"\w[\w-]*")
               help=f"A machine; repeatable. Default: the profile of the job file, or {DEFAULT}.")  # fmt: skip
 @TRUST
 @click.option("-o", "--output", metavar="OUT", required=True, help="Output folder of the programs and the index.")
-@click.option("--jobs", type=click.IntRange(min=1), metavar="N",
-              help="Number of nests to plan at once. Default: half the cores.")  # fmt: skip
-@click.option("--scheduler", metavar="tcp://…", help="Plan on the workers of this Dask scheduler: kerfwise[cluster].")
+@together(
+    "workers",
+    dict,
+    click.option("--jobs", type=click.IntRange(min=1), metavar="N",
+                 help="Number of nests to plan at once. Default: half the cores."),
+    click.option("--scheduler", metavar="tcp://…",
+                 help="Plan on the workers of this Dask scheduler: kerfwise[cluster]."),
+)  # fmt: skip
 @click.option("--watch", is_flag=True, help="Keep planning as files arrive or change, until Ctrl-C.")
-@click.option("--sheets", is_flag=True, help="Print the work sheets of each machine: OUT/MACHINE.pdf.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of each plan, in seconds.")
-@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
-              help="Deterministic limit, without --time-limit: the same work gives the same bytes.")  # fmt: skip
-@click.option("--gap", type=Amount(min=0, max=1), metavar="G",
-              help="Stop at this gap; 0.01 is 1 %.")  # fmt: skip
-@click.option(
-    "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
-)
-@click.option("--memory", "memory_gb", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="GB",
-              help="Memory limit in GB for each nest, as for solve.")  # fmt: skip
-@click.option(
-    "--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones and mark them in the plan."
-)
+@limit_options(
+    GAP,
+    click.option("--memory", "memory_gb", type=AMOUNT_OVER_ZERO, default=2.0, show_default=True, metavar="GB",
+                 help="Memory limit in GB for each nest, as for solve."),
+)  # fmt: skip
+@RELAX
 @click.option("--repair", is_flag=True, help="Repair the drawings where possible.")
-@click.option("--refused-again", is_flag=True, help="Retry nests that were refused before.")
-@click.option("--tidy", is_flag=True, help="Remove outputs of nests that are no longer among IN….")
+@together(
+    "beside",
+    Beside,
+    click.option("--sheets", is_flag=True, help="Print the work sheets of each machine: OUT/MACHINE.pdf."),
+    click.option("--refused-again", is_flag=True, help="Retry nests that were refused before."),
+    click.option("--tidy", is_flag=True, help="Remove outputs of nests that are no longer among IN…."),
+)
 @click.argument("nests", metavar="IN…", nargs=-1, required=True)
 def command(
     nests: tuple[str, ...],
     profiles: tuple[str, ...],
     trust: bool,
     output: str,
-    jobs: int | None,
-    scheduler: str | None,
+    workers: dict[str, Any],
     watch: bool,
-    sheets: bool,
-    time_limit: float | None,
-    refused_again: bool,
-    tidy: bool,
-    **limits: Any,
+    beside: Beside,
+    limits: Limits,
+    **options: Any,
 ) -> int:
     """Plan every nest of files and folders on every machine; skip what is already finished."""
     from kerfwise.commands.crash_report import arguments, crash_message
@@ -171,25 +173,25 @@ def command(
     from .store import Store, lock_folder
     from .tasks import Options, keep_on, sources_in
 
-    if jobs is not None and scheduler is not None:
+    if None not in workers.values():
         raise click.UsageError("--jobs is for this machine: with --scheduler the number of its workers counts")
-    if tidy and watch:
+    if beside.tidy and watch:
         raise click.UsageError("--tidy is for one run: with --watch a folder may be away for a while")
-    if sheets:
+    if beside.sheets:
         library("segno", "a work sheet", "sheets")
-    paths, out, options = [Path(name) for name in nests], Path(output), Options(time_s=time_limit, **limits)
+    options |= limits
+    paths, out, of_nests = [Path(name) for name in nests], Path(output), Options(**options)
     machines = _machines(profiles, trust)
     sources = sources_in(paths, out)
     _expect_apart(paths, out)
     if not sources and not watch:
         raise InputError("holds no nest", file=nests[0])
-    with lock_folder(out), _runner(scheduler, jobs) as run:
+    with lock_folder(out), _runner(**workers) as run:
         store = Store(out)
 
         def one_round(found: Sequence[Source], now: Machines) -> Batch:
             with BatchProgress() as progress:
-                settings = {"refused_again": refused_again, "sheets": sheets, "tidied": tidy}
-                batch = run_batch(found, now, store, options, __version__, run, progress, **settings)
+                batch = run_batch(found, now, store, of_nests, __version__, run, progress, beside)
             click.echo(printed(batch, out))
             for text in batch.papers.told:
                 print_note(text)

@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from kerfwise.commands.shared_options import AMOUNT_OVER_ZERO, MEMORY, TRUST, EngineChoice
+from kerfwise.commands.option_groups import time_and_work, together
+from kerfwise.commands.shared_options import MEMORY, TRUST, EngineChoice
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_file, is_folder
 from kerfwise.models.engines import BUILT_IN
@@ -17,10 +18,7 @@ from kerfwise.models.engines import BUILT_IN
 @click.argument("files", nargs=-1, required=True, metavar="FILES…")
 @click.option("--engine", "engines", type=EngineChoice(BUILT_IN), multiple=True, default=("portfolio",),
               show_default=True, help="Repeatable: each runs on every file.")  # fmt: skip
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of each run, in seconds.")
-@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True,
-              help="Deterministic limit of each run, without --time-limit.")  # fmt: skip
-@MEMORY
+@together("limits", dict, *time_and_work("of each run"), MEMORY)
 @click.option("--seed", "seeds", type=click.IntRange(min=0), multiple=True, default=(1,), show_default=True,
               help="Repeatable.")  # fmt: skip
 @click.option(
@@ -32,9 +30,7 @@ from kerfwise.models.engines import BUILT_IN
 def command(
     files: tuple[str, ...],
     engines: tuple[Any, ...],
-    time_limit: float | None,
-    work: float,
-    memory_gb: float,
+    limits: dict[str, Any],
     seeds: tuple[int, ...],
     best_known: str | None,
     profile: str,
@@ -52,7 +48,7 @@ def command(
         _expect(Path(file))
     best = read_best_known(best_known) if best_known else None
     jobs = [
-        BenchJob(file, engine, seed, work, time_limit, profile, trust, memory_gb)
+        BenchJob(file, engine, seed, profile=profile, trust=trust, **limits)
         for file in files
         for engine in engines
         for seed in seeds

@@ -19,6 +19,7 @@ from kerfwise.arrays import Floats
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.jobs.by_engine import OrdersOf
 from kerfwise.jobs.cooler_orders import BestSimulated, Judge, MayGoOn, Planner, Route
 from kerfwise.jobs.inputs import Inputs, expect_one_torch
 from kerfwise.models.engines.lawful_walk import route_like
@@ -26,7 +27,6 @@ from kerfwise.models.physics.heat.timed_path import RoutePaths, TorchOn
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.pipeline import OrdersOf
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import Stated
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from kerfwise.commands.option_groups import together
 from kerfwise.commands.shared_options import (
     input_options,
     length_or_zero,
@@ -21,9 +23,11 @@ from kerfwise.encoder.files import is_file
 from kerfwise.encoder.text import escape_text
 
 if TYPE_CHECKING:
+    from kerfwise.encoder.readers.options import ReadOptions
     from kerfwise.jobs.inputs import Inputs
 
     from .edited_nest import EditedNest
+    from .edits import Edit
 
 
 SEVERAL = ("--keep", "--drop", "--mirror", "--fix")
@@ -47,29 +51,27 @@ class _SeveralParts(click.Command):
 
 @click.command(cls=_SeveralParts)
 @input_options
-@click.option("--keep", multiple=True, metavar="PART…", help="Leave out all parts but these.")
-@click.option("--drop", multiple=True, metavar="PART…", help="Leave out parts.")
-@click.option("--turn", type=(str, float), multiple=True, metavar="PART DEG",
-              help="Turn a part counter-clockwise about its middle; repeatable.")  # fmt: skip
-@click.option("--mirror", multiple=True, metavar="PART…", help="Turn parts over, left to right.")
-@click.option("--move", type=(str, float, float), multiple=True, metavar="PART DX DY", help="Move a part; repeatable.")
-@click.option("--add", multiple=True, metavar="FILE[=N]", help="Lay parts into free room; repeatable.")
-@click.option("--nest-anew", is_flag=True, help="Lay all parts anew, but those of --fix.")
-@click.option("--fix", multiple=True, metavar="PART…", help="With --nest-anew, parts that stay.")
+@together(
+    "changes",
+    dict,
+    click.option("--keep", multiple=True, metavar="PART…", help="Leave out all parts but these."),
+    click.option("--drop", multiple=True, metavar="PART…", help="Leave out parts."),
+    click.option("--turn", type=(str, float), multiple=True, metavar="PART DEG",
+                 help="Turn a part counter-clockwise about its middle; repeatable."),
+    click.option("--mirror", multiple=True, metavar="PART…", help="Turn parts over, left to right."),
+    click.option("--move", type=(str, float, float), multiple=True, metavar="PART DX DY",
+                 help="Move a part; repeatable."),
+    click.option("--add", multiple=True, metavar="FILE[=N]", help="Lay parts into free room; repeatable."),
+    click.option("--nest-anew", is_flag=True, help="Lay all parts anew, but those of --fix."),
+    click.option("--fix", multiple=True, metavar="PART…", help="With --nest-anew, parts that stay."),
+)  # fmt: skip
 @click.option("--gap", metavar="LENGTH", help="Gap between parts. Default: a kerf and the profile's nesting.web.")
 @click.option("--edge", metavar="LENGTH", help="Distance to the sheet's edge. Default: the profile's nesting.edge.")
 @click.option("--lock-from", metavar="OLD", help="A plan or program of the nest that is cut already: its parts stay.")
 @click.option("--upto", type=click.IntRange(min=1), metavar="N", help="With --lock-from, its last finished cut.")
 @click.option("-o", "--output", metavar="NEW.json", required=True, help="Output file.")
 def command(
-    keep: tuple[str, ...],
-    drop: tuple[str, ...],
-    turn: tuple[tuple[str, float], ...],
-    mirror: tuple[str, ...],
-    move: tuple[tuple[str, float, float], ...],
-    add: tuple[str, ...],
-    nest_anew: bool,
-    fix: tuple[str, ...],
+    changes: dict[str, Any],
     gap: str | None,
     edge: str | None,
     lock_from: str | None,
@@ -82,12 +84,9 @@ def command(
     Parts keep the profile's gap; collisions are named, and nothing is written then. What is cut already stays. Parts
     off another sheet are left out and named; exit code 1.
     """
-    from kerfwise.encoder.nest import Sheet
-
     from .edited_nest import contours_cut, editing
-    from .edits import Drop, Edit, Keep, Mirror, Move, NestAnew, OtherSheet, Turn, added
 
-    if fix and not nest_anew:
+    if changes["fix"] and not changes["nest_anew"]:
         raise click.UsageError("--fix is for --nest-anew")
     path = Path(output)
     if path.suffix.lower() != ".json":
@@ -95,19 +94,7 @@ def command(
     sheet, options["sheet"] = options["sheet"], None
     inputs = read_inputs(**options, last=lock_from)
     protect(inputs, options["nest"], [path], lock_from)
-    reading = reading_of(inputs, options)
-    edits: list[Edit] = [Keep(keep)] if keep else []
-    edits += [Drop(drop)] if drop else []
-    edits += [Turn(part, degrees) for part, degrees in turn]
-    edits += [Mirror(part) for part in mirror]
-    edits += [Move(part, dx, dy) for part, dx, dy in move]
-    edits += [OtherSheet(Sheet.rectangle(*size_of(sheet)))] if sheet else []
-    edits += [added(text, reading, print_note) for text in add]
-    edits += [NestAnew(fix)] if nest_anew else []
-    if not edits:
-        raise click.UsageError(
-            "say what changes: --drop, --keep, --turn, --mirror, --move, --sheet, --add, --nest-anew"
-        )
+    edits = _edits(changes, sheet, reading_of(inputs, options))
     gap_mm = None if gap is None else length_or_zero("--gap", gap)
     edge_mm = None if edge is None else length_or_zero("--edge", edge)
     if upto is not None and lock_from is None:
@@ -115,6 +102,27 @@ def command(
     cut = contours_cut(inputs, options["nest"], lock_from, upto, print_note)
     edited = editing(inputs.nest, inputs.profile, gap_mm=gap_mm, edge_mm=edge_mm, cut=cut).do(*edits)
     return _write(edited, inputs, path)
+
+
+def _edits(changes: Mapping[str, Any], sheet: str | None, reading: ReadOptions) -> list[Edit]:
+    """The changes in the order in which they are made; `reading`: how drawings of parts to add are read."""
+    from kerfwise.encoder.nest import Sheet
+
+    from .edits import Drop, Keep, Mirror, Move, NestAnew, OtherSheet, Turn, added
+
+    edits: list[Edit] = [Keep(changes["keep"])] if changes["keep"] else []
+    edits += [Drop(changes["drop"])] if changes["drop"] else []
+    edits += [Turn(part, degrees) for part, degrees in changes["turn"]]
+    edits += [Mirror(part) for part in changes["mirror"]]
+    edits += [Move(part, dx, dy) for part, dx, dy in changes["move"]]
+    edits += [OtherSheet(Sheet.rectangle(*size_of(sheet)))] if sheet else []
+    edits += [added(text, reading, print_note) for text in changes["add"]]
+    edits += [NestAnew(changes["fix"])] if changes["nest_anew"] else []
+    if not edits:
+        raise click.UsageError(
+            "say what changes: --drop, --keep, --turn, --mirror, --move, --sheet, --add, --nest-anew"
+        )
+    return edits
 
 
 def _write(edited: EditedNest, inputs: Inputs, path: Path) -> int:

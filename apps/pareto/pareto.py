@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.jobs.by_engine import OrdersOf
 from kerfwise.jobs.display import Picture, data_frame
 from kerfwise.jobs.heat_control import cooler_orders
 from kerfwise.jobs.inputs import Inputs, expect_one_torch
@@ -22,7 +23,7 @@ from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.plan.plan import Plan
-from kerfwise.pipeline import OrdersOf, VerifiedPlan, plan_request, verified
+from kerfwise.pipeline import VerifiedPlan, plan_request, verified
 from kerfwise.rules.profile.profile import Profile
 
 if TYPE_CHECKING:

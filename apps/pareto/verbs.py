@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from kerfwise.commands.option_groups import RELAX, Stopped, limit_options, stopped_options, together
 from kerfwise.commands.shared_options import (
     AMOUNT,
     AMOUNT_OVER_ZERO,
     input_options,
     note_placing,
-    print_note,
     protect,
     read_inputs,
 )
@@ -22,6 +22,7 @@ from kerfwise.rules.profile.plant_sections import PRICES_MM
 
 if TYPE_CHECKING:
     from kerfwise.jobs.inputs import Inputs
+    from kerfwise.models.engines.solution import Limits
 
     from .pareto import Straightness
 
@@ -30,28 +31,17 @@ if TYPE_CHECKING:
 @input_options
 @click.option("--price", "prices", type=AMOUNT, multiple=True, default=PRICES_MM, show_default=True,
               help="Price of an overheat in mm of idle travel; repeatable.")  # fmt: skip
-@click.option(
-    "--work",
-    type=AMOUNT_OVER_ZERO,
-    default=10.0,
-    show_default=True,
-    help="Deterministic limit of each plan.",
+@limit_options(work=10.0)
+@stopped_options("Resume after a stop: plan only what this plan or program has not cut.")
+@RELAX
+@together(
+    "outputs",
+    dict,
+    click.option("-o", "--output", metavar="FRONT.png", help="Output of the plot. Default: NEST.pareto.png."),
+    click.option(
+        "--plans", metavar="DIR", help="Folder for the plan and program of every point. Default: NEST.pareto."
+    ),
 )
-@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the search.")
-@click.option(
-    "--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of each plan in seconds, instead of --work."
-)
-@click.option("--lock-from", metavar="OLD.plan.json|OLD.nc",
-              help="Resume after a stop: plan only what this plan or program has not cut.")  # fmt: skip
-@click.option(
-    "--upto", type=click.IntRange(min=1), metavar="N", help="Number of its last finished cut; with --lock-from."
-)
-@click.option("--redo-last", is_flag=True, help="Repeat cut N, which broke off, from its start; with --lock-from.")
-@click.option(
-    "--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones and mark them in the plans."
-)
-@click.option("-o", "--output", metavar="FRONT.png", help="Output of the plot. Default: NEST.pareto.png.")
-@click.option("--plans", metavar="DIR", help="Folder for the plan and program of every point. Default: NEST.pareto.")
 @click.option("--distortion", is_flag=True, help="Simulate how far the parts of each plan will be off: a third axis.")
 @click.option("--off-price", "off_prices", type=AMOUNT_OVER_ZERO, multiple=True,
               help="Plan at this price of a mm that parts are off, in mm of idle travel, too; repeatable; "
@@ -59,15 +49,10 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
 def command(
     prices: tuple[float, ...],
-    work: float,
-    seed: int,
-    time_limit: float | None,
-    lock_from: str | None,
-    upto: int | None,
-    redo_last: bool,
+    limits: Limits,
+    stopped: Stopped,
     relax: bool,
-    output: str | None,
-    plans: str | None,
+    outputs: dict[str, Any],
     distortion: bool,
     off_prices: tuple[float, ...],
     as_json: bool,
@@ -79,6 +64,7 @@ def command(
     """
     if off_prices and not distortion:
         raise click.UsageError("--off-price is a price on what --distortion simulates: give both")
+    output, plans = outputs["output"], outputs["plans"]
     if output and Path(output).suffix.lower() != ".png":
         raise InputError(f"cannot plot as {Path(output).suffix or output!r}: give a name ending in .png", file=output)
     if output is plans is None:
@@ -86,7 +72,6 @@ def command(
         output, plans = f"{stem}.pareto.png", f"{stem}.pareto"
     from kerfwise.commands.progress import ProgressLine
     from kerfwise.jobs.request import options_for
-    from kerfwise.jobs.resume import already_cut
     from kerfwise.postproc.output_files import expect_folders, expect_place, make_folder, write_files
 
     from .pareto import trade_off
@@ -95,14 +80,14 @@ def command(
         expect_folders([Path(output)])
     if plans:
         expect_place(Path(plans))
-    inputs = read_inputs(**options, last=lock_from)
-    protect(inputs, options["nest"], [output], lock_from)
+    inputs = read_inputs(**options, last=stopped.lock_from)
+    protect(inputs, options["nest"], [output], stopped.lock_from)
     note_placing(inputs)
-    already = already_cut(inputs, lock_from, upto, redo_last, print_note)
-    limits = options_for(inputs.nest, inputs.profile, work=work, seed=seed, time_s=time_limit)
+    already = stopped.already_cut(inputs)
+    of_plans = options_for(inputs.nest, inputs.profile, **limits)
     name = Path(options["nest"]).name
     axis = _straightness(inputs, off_prices) if distortion else None
-    offer = trade_off(inputs, prices, limits, ProgressLine, name, already=already, relax=relax, straightness=axis)
+    offer = trade_off(inputs, prices, of_plans, ProgressLine, name, already=already, relax=relax, straightness=axis)
     if offer.refused is not None:
         click.echo(f"kerfwise: {offer.refused}", err=True)
     files: dict[Path, str | bytes] = {}
@@ -111,7 +96,7 @@ def command(
         files |= {Path(plans) / name: content for name, content in offer.files().items()}
     if output:
         files[Path(output)] = offer.picture().content
-    protect(inputs, options["nest"], files, lock_from)
+    protect(inputs, options["nest"], files, stopped.lock_from)
     write_files(files)
     click.echo(json.dumps(offer.rows()) if as_json else offer)
     if not as_json:

@@ -72,6 +72,6 @@ def resequence(
     """
     request = ProgramRequest(feed_mm_min, kerf_mm, sheet_mm)
     return resequenced(
-        program, profile, paths=paths, request=request, without_rules=without_rules,
-        work=work, time_s=time_s, seed=seed, listener=Listener(on_progress),
+        program, profile, Listener(on_progress), paths=paths, request=request, without_rules=without_rules,
+        work=work, time_s=time_s, seed=seed,
     )  # fmt: skip

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 from kerfwise.apps.batch.store import UNREADABLE, has_content, key_of, remove
 from kerfwise.encoder.errors import InputError, RulesConflict, exception_text
@@ -19,12 +19,12 @@ from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import Tell, silent
 from kerfwise.jobs.process_pool import Workers, run_in_process
 from kerfwise.jobs.programs import ProgramRequest
+from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.postproc.output_files import make_folder, write_files
 from kerfwise.rules.profile.load import files_of
 from kerfwise.rules.profile.profile import Profile
 
-from .resequence import resequence
-from .result import Paths
+from .resequence import Reordering, resequence
 
 PROGRAMS = (".nc", ".ngc", ".cnc", ".tap", ".gcode", ".gc", ".eia", ".iso", ".mpf", ".min")
 """Endings of the files that are taken for programs."""
@@ -35,15 +35,10 @@ def resequence_folder(
     out: Path,
     profile: Profile,
     *,
-    paths: Paths = "keep",
-    request: ProgramRequest | None = None,
-    without_rules: bool = False,
-    work: float = 30.0,
-    time_s: float | None = None,
-    seed: int = 1,
     jobs: int = 1,
     version: str = "",
     tell: Tell = silent,
+    **how: Unpack[Reordering],
 ) -> Archive:
     """Put every program of a folder, and of the folders in it, into a better order, under the same name in `out`.
 
@@ -59,14 +54,10 @@ def resequence_folder(
     if out.resolve() == folder.resolve():
         raise InputError("would be written over, and is read from: give the output another folder", file=out)
     make_folder(out, parents=True)
-    options = {
-        "paths": paths,
-        "request": request or ProgramRequest(),
-        "without_rules": without_rules,
-        "work": work,
-        "time_s": time_s,
-        "seed": seed,
-    }
+    options: Reordering = {
+        "paths": "keep", "request": ProgramRequest(), "without_rules": False, "work": WORK, "time_s": None, "seed": 1,
+    }  # fmt: skip
+    options |= how
     record, besides = recorded(out), besides_of(profile, options, version)
     of_profile = files_of(profile)  # a dialect's, above all
     foreign = _foreign(out, names, record)
@@ -147,7 +138,7 @@ RECORD = "resequence.json"
 _FORMAT = "kerfwise-resequence/1"
 
 
-def besides_of(profile: Profile, options: Mapping[str, Any], version: str) -> dict[str, Any]:
+def besides_of(profile: Profile, options: Reordering, version: str) -> dict[str, Any]:
     """All that answers depend on besides the program and the files of the profile."""
     of_profile = {"profile": profile.sha256, "machine": repr(profile.machine)}
     return {"version": version, **of_profile, **options, "request": asdict(options["request"])}
@@ -186,7 +177,7 @@ class FinishedProgram:
 
 
 def ended_of(
-    folder: Path, names: Iterable[str], profile: Profile, options: Mapping[str, Any], jobs: int
+    folder: Path, names: Iterable[str], profile: Profile, options: Reordering, jobs: int
 ) -> Iterator[tuple[str, FinishedProgram]]:
     """Each program as soon as it is finished: one after the other, or, with more jobs, in processes of their own."""
     work = partial(_one, folder, profile, options)
@@ -203,7 +194,7 @@ def _fault(name: str, error: Exception) -> FinishedProgram:
     )
 
 
-def _one(folder: Path, profile: Profile, options: Mapping[str, Any], name: str) -> FinishedProgram:
+def _one(folder: Path, profile: Profile, options: Reordering, name: str) -> FinishedProgram:
     """One program; that it is refused, or that no order keeps the rules, is in its row."""
     try:
         resequenced = resequence(folder / name, profile, **options)

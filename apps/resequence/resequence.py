@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, Unpack
 
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.errors import InputError, RulesConflict
@@ -16,7 +17,7 @@ from kerfwise.jobs.programs import OldJob, ProgramRequest, read_old_job
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import options_for
 from kerfwise.models.engines import Engine
-from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.solution import Limits, SolveOptions
 from kerfwise.pipeline import Watchers, plan_nest
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.read_program import read_on_machine
@@ -43,19 +44,25 @@ from .result import Measured, Paths, Resequenced
 _TOLD = 3
 
 
+class Reordering(Limits, total=False):
+    """How an old program is put into order, and within which limits.
+
+    `paths`: "keep", the default, leaves every burn as it is, "new" makes leads and entries new. `request`: what the
+    program does not say. `without_rules`: go on by travel alone where the rules cannot be asked, since nobody can tell
+    what the burns cut; with "new" there is nothing to go on with.
+    """
+
+    paths: Paths
+    request: ProgramRequest
+    without_rules: bool
+
+
 def resequence(
     path: str | Path,
     profile: ProfileLike = DEFAULT,
-    *,
-    paths: Paths = "keep",
-    request: ProgramRequest | None = None,
-    without_rules: bool = False,
-    work: float = 30.0,
-    time_s: float | None = None,
-    seed: int = 1,
-    engine: Engine = "portfolio",
     listener: Listener | None = None,
     tell: Tell = silent,
+    **how: Unpack[Reordering],
 ) -> Resequenced:
     """Put an old program's burns into the best order, or plan its contours afresh.
 
@@ -65,19 +72,12 @@ def resequence(
         File of the program.
     profile
         The plant; its dialect says which control the program is for.
-    paths
-        "keep" leaves every burn as it is, "new" makes leads and entries new.
-    request
-        What the program does not say.
-    without_rules
-        Go on by travel alone where the rules cannot be asked, since nobody can tell what the burns cut. With "new"
-        there is nothing to go on with.
-    work, time_s, seed, engine
-        As for a plan of a nest.
     listener
         Listens while the plan is made.
     tell
         Told what the user should know.
+    **how
+        See `Reordering`.
 
     Raises
     ------
@@ -87,7 +87,8 @@ def resequence(
         If contours are planned afresh, and no plan keeps the hard rules.
     """
     plant, listener = plant_of(profile), listener or Listener()
-    job = read_old_job(path, plant, request, afresh=paths == "new", tell=tell)
+    afresh, engine = how.get("paths") == "new", how.get("engine", "portfolio")
+    job = read_old_job(path, plant, how.get("request"), afresh=afresh, tell=tell)
     if (hole := next((burn for burn in job.program.burns if burn.pierces_only), None)) is not None:
         raise InputError(
             "the torch is lit here and does not move, as in a pierce pass: in another order cuts could come before "
@@ -95,13 +96,14 @@ def resequence(
             file=job.name,
             line=hole.line,
         )
+    within: Any = {name: value for name, value in how.items() if name in ("work", "time_s", "seed")}
     if job.told is not None:
-        limits = options_for(job.told.nest, job.profile, work=work, seed=seed, time_s=time_s, engine=engine)
+        limits = options_for(job.told.nest, job.profile, **within, engine=engine)
     else:
-        limits = SolveOptions(seed, work, time_s)
-    if paths == "new":
+        limits = SolveOptions(**within)
+    if afresh:
         return _afresh(job, limits, engine, listener, tell)
-    return order_by_rules(job, limits, listener, tell, without_rules)
+    return order_by_rules(job, limits, listener, tell, how.get("without_rules", False))
 
 
 def _afresh(job: OldJob, limits: SolveOptions, engine: Engine, listener: Listener, tell: Tell) -> Resequenced:

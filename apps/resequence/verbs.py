@@ -8,14 +8,18 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kerfwise import __version__
-from kerfwise.commands.shared_options import AMOUNT_OVER_ZERO, TRUST, old_options, print_note, program_request
+from kerfwise.commands.option_groups import limit_options, together
+from kerfwise.commands.shared_options import TRUST, old_options, print_note, program_request
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_folder
 from kerfwise.encoder.text import escape_text
 from kerfwise.rules.profile.load import DEFAULT, files_of
 
 if TYPE_CHECKING:
+    from kerfwise.models.engines.solution import Limits
     from kerfwise.rules.profile.profile import Profile
+
+    from .resequence import Reordering
 
 
 @click.command()
@@ -23,19 +27,18 @@ if TYPE_CHECKING:
 @click.option("-p", "--profile", metavar="PROFILE", default=DEFAULT, show_default=True,
               help="Name or path of the profile; its dialect says which control the program is for.")  # fmt: skip
 @TRUST
-@click.option("-o", "--output", metavar="OUT", help="The new program, or for a folder the folder of the new ones.")
+@together(
+    "outputs",
+    dict,
+    click.option("-o", "--output", metavar="OUT", help="The new program, or for a folder the folder of the new ones."),
+    click.option("--picture", metavar="OUT.svg|.png", help="Write a picture of both orders."),
+    click.option("--plan", metavar="PLAN.json", help="Write the plan of the new program, if there is one."),
+)
 @click.option("--paths", type=click.Choice(["keep", "new"]), default="keep", show_default=True,
               help="Keep every burn, or plan all contours anew.")  # fmt: skip
 @click.option("--without-rules", is_flag=True,
               help="If the burns do not show what they cut, order them by travel alone.")  # fmt: skip
-@click.option("--picture", metavar="OUT.svg|.png", help="Write a picture of both orders.")
-@click.option("--plan", "plan_path", metavar="PLAN.json", help="Write the plan of the new program, if there is one.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of each plan, in seconds.")
-@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
-              help="Deterministic limit, without --time-limit: the same work gives the same bytes.")  # fmt: skip
-@click.option(
-    "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
-)
+@limit_options()
 @click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, metavar="N",
               help="Number of programs of a folder to plan at once.")  # fmt: skip
 @click.argument("old", metavar="OLD.nc|DIR")
@@ -43,14 +46,10 @@ def command(
     old: str,
     profile: str,
     trust: bool,
-    output: str | None,
+    outputs: dict[str, Any],
     paths: Any,
     without_rules: bool,
-    picture: str | None,
-    plan_path: str | None,
-    time_limit: float | None,
-    work: float,
-    seed: int,
+    limits: Limits,
     jobs: int,
     **given: Any,
 ) -> int:
@@ -61,17 +60,17 @@ def command(
     from .resequence import resequence
 
     plant, request = plant_of(profile, trust), program_request(**given)
-    limits: dict[str, Any] = {"work": work, "time_s": time_limit, "seed": seed}
-    limits |= {"paths": paths, "request": request, "without_rules": without_rules}
+    output, picture, plan_path = outputs["output"], outputs["picture"], outputs["plan"]
+    how: Reordering = {**limits, "paths": paths, "request": request, "without_rules": without_rules}
     if is_folder(Path(old)):
         if picture or plan_path:
             raise InputError(f"{'--picture' if picture else '--plan'} is of one program: give one, not a folder")
-        return _folder(Path(old), plant, output, jobs, limits)
+        return _folder(Path(old), plant, output, jobs, how)
     file = Path(old)
     out = output or f"{file.stem}.resequenced{file.suffix or '.nc'}"
     _expect(plant, file, out, picture, plan_path)
     listener = ProgressLine()
-    result = resequence(old, plant, **limits, listener=listener, tell=print_note)
+    result = resequence(old, plant, listener, print_note, **how)
     files: dict[Path, str | bytes] = {Path(out): result.program}
     if picture:
         files[Path(picture)] = result.picture("png" if Path(picture).suffix.lower() == ".png" else "svg").content
@@ -98,14 +97,14 @@ def _expect(plant: Profile, file: Path, out: str, picture: str | None, plan_path
         expect_kind(picture)
 
 
-def _folder(folder: Path, plant: Profile, output: str | None, jobs: int, limits: dict[str, Any]) -> int:
+def _folder(folder: Path, plant: Profile, output: str | None, jobs: int, how: Reordering) -> int:
     from kerfwise.commands.crash_report import arguments, crash_message
 
     from .archive import resequence_folder
 
     if output is None:
         raise InputError("a folder of programs needs one for the new ones: give it with -o", file=folder)
-    archive = resequence_folder(folder, Path(output), plant, jobs=jobs, version=__version__, tell=print_note, **limits)
+    archive = resequence_folder(folder, Path(output), plant, jobs=jobs, version=__version__, tell=print_note, **how)
     click.echo(archive)
     for name, error in archive.faults.items():
         click.echo(f"{escape_text(name)}: {crash_message(error, arguments(None))}", err=True)

@@ -120,7 +120,7 @@ def _assembled(
         ring_notes = [*doubled_notes, *frame_notes, *overlap_notes, *hole_notes, *notch_notes]
         rings, parts, thin, part_notes = _without_thin(rings, options, asking)
         open_lines = decide_open_lines(
-            cut.chains, rings, parts, outline, bridge_mm, options, told_apart, asking, closed_layers
+            replace(cut, rings=tuple(rings)), parts, outline, bridge_mm, options, told_apart, asking, closed_layers
         )
         if not open_lines.closing:
             notes = [*ring_notes, *closed_notes, *open_lines.notes, *part_notes]

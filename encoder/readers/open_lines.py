@@ -19,6 +19,7 @@ from kerfwise.encoder.questions import LAYER, Asking, Choice, Question
 from .by_layer import ByLayer
 from .closing import SHARED, Closing, closings
 from .drawing import SNAP_MM, DrawnCurve, OpenLines
+from .join import Joined
 from .layers import setting
 from .options import REPAIR_FACTOR, ReadOptions
 
@@ -36,8 +37,7 @@ class OpenLineDecision:
 
 
 def decide_open_lines(
-    chains: Sequence[DrawnCurve],
-    rings: Sequence[DrawnCurve],
+    drawn: Joined,
     parts: Sequence[Part],
     sheet: Sequence[DrawnCurve],
     bridge_mm: float,
@@ -55,8 +55,9 @@ def decide_open_lines(
     open on all other layers is asked about, layer by layer: closed lines beside open ones may be marks too. An outline
     with a gap is refused. Raises OpenLines with every line that is left, and by layer what a profile can say of it.
     """
-    crumbs = [c for c in chains if c.curve.length_mm <= options.join_tolerance_mm]
-    chains = [c for c in chains if c.curve.length_mm > options.join_tolerance_mm]
+    rings = drawn.rings
+    crumbs = [c for c in drawn.chains if c.curve.length_mm <= options.join_tolerance_mm]
+    chains = [c for c in drawn.chains if c.curve.length_mm > options.join_tolerance_mm]
     crumb_notes = tuple(_told(crumbs, "shorter than drawing.join_tolerance, and therefore left out"))
     if not chains:
         return OpenLineDecision((), crumb_notes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, TypedDict
 
 import numpy as np
 
@@ -22,11 +22,12 @@ from kerfwise.models.engines.tuning import (
     MEMORY_GB,
     PAIRS_PER_S,
 )
+from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 from kerfwise.models.engines.tuning import SOLUTION_ROWS_PER_S as ROWS_PER_S
 from kerfwise.models.physics.motion import Feeds
 from kerfwise.models.problem.problem import Problem
 
-from . import Member
+from . import Engine, Member
 
 Status = Literal["optimal", "feasible"]
 BYTES_PER_GB = 1e9
@@ -64,7 +65,7 @@ class SolveOptions:
     """
 
     seed: int = 1
-    work: float = 30.0
+    work: float = WORK
     time_s: float | None = None
     home_mm: tuple[float, float] = (0.0, 0.0)
     feeds: Feeds | None = None
@@ -72,6 +73,18 @@ class SolveOptions:
     no_improvement_s: float | None = None
     member: Member | None = None
     memory_gb: float = MEMORY_GB
+
+
+class Limits(TypedDict, total=False):
+    """Limits of a solve as they are asked for, by name; `SolveOptions` says what they mean. `engine` gives `member`."""
+
+    work: float
+    time_s: float | None
+    seed: int
+    gap: float | None
+    no_improvement_s: float | None
+    memory_gb: float
+    engine: Engine
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,11 +1,12 @@
 """The independent check of plans and programs."""
 
-from .check import check_cuts, check_program
+from .check import Besides, check_cuts, check_program
 from .feeds import Heating, Thermometer
 from .plan_conformance import Claims, PlanClaims
 from .result import CheckResult, Excused, JudgedCuts, Judgement, Measured, RelaxedStatement, report
 
 __all__ = [
+    "Besides",
     "CheckResult",
     "Claims",
     "Excused",

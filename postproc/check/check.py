@@ -87,14 +87,25 @@ class _Cut:
 
 
 @dataclass(frozen=True, slots=True)
-class _Beside:
-    """What a program is judged by beside nest and profile; see `check_program`. `late` are warnings of its times."""
+class Besides:
+    """What a program is judged by besides nest and profile.
 
-    thermometer: Thermometer | None
-    tabs: Tabs | None
-    planned: PlanClaims | None
-    side: Side | None
-    late: Sequence[str]
+    Without a thermometer no temperature is judged. `tabs` are stretches of contours, by contour id, that are to stay
+    uncut. What a plan says is `planned`: the program has to follow that, cut by cut, and names, zones and excuses that
+    it does not tell are the plan's. Where the cuts that it makes are those that rules are `known` to have judged, the
+    rules do not judge them once more. What is `trusted` is taken as it stands: nobody judges what a material on the
+    machine has. `side` is the start side where the program states none.
+    """
+
+    thermometer: Thermometer | None = None
+    tabs: Tabs | None = None
+    planned: PlanClaims | None = None
+    known: JudgedCuts | None = None
+    trusted: Trusted | None = None
+    side: Side | None = None
+
+
+NOTHING_BESIDES = Besides()
 
 
 def check_cuts(
@@ -146,35 +157,25 @@ def check_program(
     nc_text: str,
     profile: Technique,
     file: str = "",
-    thermometer: Thermometer | None = None,
-    tabs: Tabs | None = None,
-    planned: PlanClaims | None = None,
-    known: JudgedCuts | None = None,
-    trusted: Trusted | None = None,
-    side: Side | None = None,
+    besides: Besides = NOTHING_BESIDES,
 ) -> CheckResult:
     """Judge an NC program: what it burns is read with a reader of its own and matched with the nest.
 
-    `tabs` are stretches of contours, by contour id, that are to stay uncut. Given what a plan says, the program has to
-    follow that, cut by cut, and names, zones and excuses that it does not tell are the plan's. Where the cuts that it
-    makes are the same as those that rules are `known` to have judged, they are not judged by the rules once more. What
-    is `trusted` is taken as it stands: nobody judges what a material on the machine has. `side` is the start side that
-    it is judged by where it states none. Raises InputError with the line, for a program that is malformed or says
-    something the reader does not understand.
+    Raises InputError with the line, for a program that is malformed or says something the reader does not understand.
     """
     judged_by = judged_nest(nest, profile)
     nest = judged_by.nest
+    planned = besides.planned
     profile = profile if planned is None else profile.at_origin(planned.origin)
     raise_together(bevel_misfits(profile, nest))
-    program = read_on_machine(nc_text, nest, profile, file, trusted)
+    program = read_on_machine(nc_text, nest, profile, file, besides.trusted)
     late = list(wrong_times(program, profile, None if planned is None else planned.time_s))
     bevels = judge_bevels(nest, program, profile, judged_by.shares)
     program = bevels.program
-    beside = _Beside(thermometer, tabs, planned, side, late)
     with in_steps_of(program.step_mm):
-        result = _judge_program(judged_by, program, profile, beside, known)
+        result = _judge_program(judged_by, program, profile, besides, late)
         for by in range(1, 1 + max((len(burn.torches) for burn in program.burns), default=0)):
-            other = _judge_program(judged_by, program, profile, beside, turned=by)
+            other = _judge_program(judged_by, program, profile, besides, turned=by)
             result = replace(result, rules=tuple(stricter(result.rules, other.rules)))
         if bevels.violations is not None:
             result = replace(result, rules=(judgement("bevels", bevels.violations), *result.rules))
@@ -210,13 +211,16 @@ def _judge_program(
     judged_by: JudgedNest,
     program: NcProgram,
     profile: Technique,
-    beside: _Beside,
-    known: JudgedCuts | None = None,
+    besides: Besides,
+    late: Sequence[str] = (),
     turned: int = 0,
 ) -> CheckResult:
-    """The judgement where, of what several torches burn together, each comes so many places sooner (`turned`)."""
-    nest, planned, tabs = judged_by.nest, beside.planned, beside.tabs
-    notes = [*origin_warning(program, profile), *_coarse(program, profile), *beside.late]
+    """The judgement where, of what several torches burn together, each comes so many places sooner (`turned`).
+
+    `late` are warnings of the program's times.
+    """
+    nest, planned, tabs = judged_by.nest, besides.planned, besides.tabs
+    notes = [*origin_warning(program, profile), *_coarse(program, profile), *late]
     profile = with_program_origin(program, profile)
     of_torches = list(wrong_spacing(program, profile, planned is not None))
     profile = profile.at_spacing(stated_spacing(program, planned, profile.machine.torches))
@@ -226,8 +230,8 @@ def _judge_program(
     judged_by = replace(judged_by, nest=nest)
     kerf_mm, in_passes = profile.material.kerf_mm, profile.cuts.pierce_pass is not None
     built = rebuild(nest, burnt, kerf_mm, profile.home_on(nest), tabs, planned, profile.tabs(), in_passes)
-    if built.cuts.start_side is None and beside.side is not None:
-        built = replace(built, cuts=replace(built.cuts, start_side=beside.side))
+    if built.cuts.start_side is None and besides.side is not None:
+        built = replace(built, cuts=replace(built.cuts, start_side=besides.side))
     astray = rapids_beyond_travel(nest, program, profile)
     relaxed = read_relaxed(nest, program.comments)
     if planned is not None:
@@ -241,7 +245,8 @@ def _judge_program(
     begun = _starts_in_kerfs(nest, built.cuts, profile)
     in_kerfs = {(run.where, built.cuts[run.position - 1].torch) for run in built.runs if run.position in begun}
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares, in_kerfs)
-    felt = measured(first_cuts(nest, built.cuts), heatings_of_program(burnt), beside.thermometer)
+    felt = measured(first_cuts(nest, built.cuts), heatings_of_program(burnt), besides.thermometer)
+    known = besides.known if not turned else None
     same = None if known is None else known.known(nest, felt, profile, relaxed)
     rules = tuple(judge(nest, felt, profile, relaxed)) if same is None else same
     warnings += [*relaxed_warnings(relaxed), *about_nothing(nest, felt, profile)]

@@ -16,8 +16,7 @@ from kerfwise.encoder.nest import Contour
 from kerfwise.postproc.check.reader.program import Burn
 from kerfwise.rules.profile.values import ProfileValues
 
-from .bevel_edges import sides_of
-from .bevel_faces import Slope, half_width_mm, slopes_of
+from .bevel_faces import Slope, half_width_mm, sides_of, slopes_of
 
 _TURN_RAD = math.radians(2)
 ANGLE_DEG = 0.01

@@ -20,6 +20,7 @@ from kerfwise.encoder.text import escape_text
 from kerfwise.models.plan.plan import Plan, RuleReport
 from kerfwise.models.plan.read_plan import expect_named_alike
 from kerfwise.postproc.check import (
+    Besides,
     CheckResult,
     Claims,
     Heating,
@@ -168,7 +169,8 @@ def check_program(
     with notice_if_long(f"checking {program}"):
         amount(nc_text.count("\n"), "line", "lines")
         heat = thermometer_of(nest, profile)
-        return check_nc(nest, nc_text, profile, file, heat, planned=planned, known=known, trusted=trusted, side=side)
+        besides = Besides(heat, planned=planned, known=known, trusted=trusted, side=side)
+        return check_nc(nest, nc_text, profile, file, besides)
 
 
 def _relaxed_of(plan: Plan) -> tuple[RelaxedStatement, ...]:

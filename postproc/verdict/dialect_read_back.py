@@ -15,7 +15,7 @@ import numpy as np
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
-from kerfwise.postproc.check.reader.controls import Control
+from kerfwise.postproc.check.reader.controls import Control, Setup
 from kerfwise.postproc.check.reader.own_words import control_for
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.check.reader.rs274 import read_nc
@@ -92,7 +92,7 @@ def read_back(dialect: Dialect, name: str, plant: Mapping[str, str] | None = Non
             raise wrong(line.key, f"{line.block[:60]!r}… is longer than max_line, {dialect.max_line}") from None
     text = NEWLINES[dialect.newline].join([*blocks, ""])
     try:
-        program = read_nc(text, control=control, home=_HOME)
+        program = read_nc(text, control=control, setup=Setup(home=_HOME))
     except InputError as error:
         line = lines[min(error.line or len(lines), len(lines)) - 1]
         raise wrong(line.key, f"{line.block!r} cannot be read: {error.message}; {_WAY_OUT}") from None
@@ -120,7 +120,7 @@ def _beside_wrong(dialect: Dialect, control: Control, plant: Mapping[str, str]) 
         body += pen.others([dialect.kerf.off] if dialect.kerf is not None else [])
     text = "\n".join([*number_blocks([*body, pen.rapid(_HOME), *dialect.footer], dialect), ""])
     try:
-        program = read_nc(text, control=replace(control, kerf_mm=kerf_mm), home=_HOME)
+        program = read_nc(text, control=replace(control, kerf_mm=kerf_mm), setup=Setup(home=_HOME))
     except InputError as error:
         return f"a path beside which the control keeps the torch cannot be read: {error.message}"
     for path, burn in zip_longest(paths, program.burns):
@@ -148,7 +148,7 @@ def _called_wrong(dialect: Dialect, control: Control, plant: Mapping[str, str]) 
         [*number_blocks([*with_subprograms([*body, pen.rapid(_HOME), *dialect.footer], dialect)], dialect), ""]
     )
     try:
-        burns = read_nc(text, control=control, home=_HOME).burns
+        burns = read_nc(text, control=control, setup=Setup(home=_HOME)).burns
     except InputError as error:
         return f"a path that is called cannot be read: {error.message}"
     off_mm = [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from kerfwise.api.reading import LockLike, PlanOrResult, Settings, nest_request, plan_or_path
 from kerfwise.apps.viewer.compare import Comparison, SideAsked, expect_two, pair_of, side_of
@@ -13,10 +12,8 @@ from kerfwise.jobs.inputs import NestLike, ProfileLike
 from kerfwise.jobs.nest_job.request import JobLike, inputs_for
 from kerfwise.jobs.progress import Listener, OnProgress
 from kerfwise.jobs.request import NoPlan
+from kerfwise.models.engines.solution import Limits
 from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
-
-if TYPE_CHECKING:
-    pass
 
 
 def compare(
@@ -84,7 +81,7 @@ def compare(
     expect_two(first, second, len(profiles), on, off)
     notes: list[str] = []
     inputs = [inputs_for(nest, nest_request(one, job, settings, locks, a), notes.append) for one in profiles]
-    limits = {"work": work, "seed": seed, "time_s": time_s}
+    limits: Limits = {"work": work, "seed": seed, "time_s": time_s}
     of_a, of_b = pair_of((inputs[0], inputs[-1]), first, second, on, off, limits, relax)
     side_a, side_b = _side("A", of_a, heat, on_progress, notes), _side("B", of_b, heat, on_progress, notes)
     return compared(side_a, side_b, notes=tuple(dict.fromkeys(notes)))

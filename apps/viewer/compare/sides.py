@@ -17,6 +17,7 @@ from kerfwise.jobs.programs import Times, check_made, time_made
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import options_for
 from kerfwise.jobs.simulation import Simulation, simulate_made
+from kerfwise.models.engines.solution import Limits
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.pipeline import Watchers, plan_nest
@@ -44,7 +45,7 @@ class SideAsked:
     name: str
     given: Inputs
     file: Made | None = None
-    limits: dict[str, Any] | None = None
+    limits: Limits | None = None
     relax: bool = False
 
 
@@ -127,7 +128,7 @@ def side_of(request: SideAsked, heat: bool = False, listener: Listener | None = 
 
 
 def _planned(request: SideAsked, heat: bool, listener: Listener, tell: Tell) -> Side:
-    limits = options_for(request.given.nest, request.given.profile, **(request.limits or {}))
+    limits = options_for(request.given.nest, request.given.profile, **(request.limits or Limits()))
     done = plan_nest(request.given, limits, watchers=Watchers(listener, tell), relax=request.relax)
     verdict = done.made.verdict
     return _of_plan(request, done.made.plan, done.given, lambda *_: verdict, "solved", heat, tell, listener.stopped)
@@ -208,7 +209,7 @@ def pair_of(
     b: Made | None,
     with_: Sequence[str],
     without: Sequence[str],
-    limits: dict[str, Any],
+    limits: Limits,
     relax: bool,
 ) -> tuple[SideAsked, SideAsked]:
     """Both sides as they are asked for.

@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from kerfwise.commands.shared_options import AMOUNT_OVER_ZERO, nest_options, print_note, protect, read_inputs
+from kerfwise.commands.option_groups import RELAX, limit_options, together
+from kerfwise.commands.shared_options import nest_options, print_note, protect, read_inputs
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.text import escape_text
 from kerfwise.rules.profile.load import DEFAULT
 
 if TYPE_CHECKING:
     from kerfwise.jobs.inputs import Inputs
+    from kerfwise.models.engines.solution import Limits
 
     from . import Comparison, SideAsked
 
@@ -36,35 +38,33 @@ def _options(verb: Callable[..., Any]) -> Callable[..., Any]:
 @_options
 @click.argument("a", metavar="[A]", required=False)
 @click.argument("b", metavar="[B]", required=False)
-@click.option("--without", multiple=True, metavar="RULE", help="Plan B with this rule off; repeatable.")
-@click.option("--with", "with_", multiple=True, metavar="RULE[=hard|soft]",
-              help="Plan B with this rule on; repeatable.")  # fmt: skip
-@click.option("--heat", is_flag=True, help="Simulate the temperatures of both.")
-@click.option("--distortion", is_flag=True, help="Simulate how far the parts of both will be off.")
+@together(
+    "rules",
+    dict,
+    click.option("--without", multiple=True, metavar="RULE", help="Plan B with this rule off; repeatable."),
+    click.option("--with", "with_", multiple=True, metavar="RULE[=hard|soft]",
+                 help="Plan B with this rule on; repeatable."),
+    RELAX,
+)  # fmt: skip
+@together(
+    "simulated",
+    dict,
+    click.option("--heat", is_flag=True, help="Simulate the temperatures of both."),
+    click.option("--distortion", is_flag=True, help="Simulate how far the parts of both will be off."),
+)
 @click.option("-o", "--output", "outputs", multiple=True, metavar="OUT.svg|.png|.html|.pdf",
               help="Write a picture of both routes, or a page or PDF with everything; repeatable.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
-@click.option("--time-limit", type=AMOUNT_OVER_ZERO, metavar="S", help="Time limit of each plan, in seconds.")
-@click.option("--work", type=AMOUNT_OVER_ZERO, default=30.0, show_default=True, metavar="W",
-              help="Deterministic limit of each plan, without --time-limit.")  # fmt: skip
-@click.option(
-    "--seed", type=click.IntRange(min=0), default=1, show_default=True, metavar="N", help="Seed of the search."
-)
-@click.option("--relax", is_flag=True, help="If hard rules conflict, relax the cheapest ones.")
+@limit_options()
 def command(
     a: str | None,
     b: str | None,
     profiles: Sequence[str],
-    without: Sequence[str],
-    with_: Sequence[str],
-    heat: bool,
-    distortion: bool,
+    rules: dict[str, Any],
+    simulated: dict[str, bool],
     outputs: Sequence[str],
     as_json: bool,
-    time_limit: float | None,
-    work: float,
-    seed: int,
-    relax: bool,
+    limits: Limits,
     **options: Any,
 ) -> int:
     """Compare two ways to cut NEST: figures, rules, cuts that differ, and a picture of both routes.
@@ -74,6 +74,7 @@ def command(
     """
     from . import pair_of
 
+    with_, without, relax = rules["with_"], rules["without"], rules["relax"]
     _expect_two(a, b, profiles, with_, without)
     _expect_outputs(outputs, (options["nest"], a, b))
     inputs = _given_twice(profiles or [None], options | {"last": a})
@@ -81,12 +82,11 @@ def command(
         protect(side, options["nest"], outputs, a, b)
     for text in dict.fromkeys(text for side in inputs for text in side.profile.time_and_price_notes()):
         print_note(text)
-    limits = {"work": work, "seed": seed, "time_s": time_limit}
     pair = pair_of(inputs, a, b, with_, without, limits, relax)
-    comparison = _compared(pair, heat)
+    comparison = _compared(pair, simulated["heat"])
     if comparison is None:
         return 1
-    if distortion:
+    if simulated["distortion"]:
         comparison = _with_distortion(comparison, pair)
     files = comparison.save(*outputs)
     click.echo(json.dumps(comparison.as_json(), ensure_ascii=False) if as_json else comparison)

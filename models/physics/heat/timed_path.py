@@ -286,18 +286,14 @@ def _flat(x: float, y: float, nx: int, ny: int) -> int:
 
 
 @compiled
-def _stand(
-    x: float, y: float, when_s: float, took_s: float, nx: int, ny: int, dose: Floats, point: Ints, made: int
-) -> int:
+def _stand(x: float, y: float, when_s: float, took_s: float, nx: int, ny: int, dose: Floats, point: Ints) -> None:
     """A torch that stands heats the four points around it, the nearer the more: a pierce has no sides yet."""
     i, j = int(np.floor(x)), int(np.floor(y))
     for di in range(2):
         for dj in range(2):
             share = (x - i if di else 1 - x + i) * (y - j if dj else 1 - y + j)
-            dose[made, 0], dose[made, 1] = when_s, took_s * share
-            point[made, 0] = _flat(float(i + di), float(j + dj), nx, ny)
-            made += 1
-    return made
+            dose[2 * di + dj, 0], dose[2 * di + dj, 1] = when_s, took_s * share
+            point[2 * di + dj, 0] = _flat(float(i + di), float(j + dj), nx, ny)
 
 
 @entry
@@ -315,7 +311,8 @@ def _fill(
             tx, ty = dx / length, dy / length
         pieces = max(1, int(np.ceil(length / SPACING)))
         if took > 0 and length == 0:
-            made = _stand(x0, y0, at_s[k] + 0.5 * took, took, nx, ny, dose, point, made)
+            _stand(x0, y0, at_s[k] + 0.5 * took, took, nx, ny, dose[made : made + 4], point[made : made + 4])
+            made += 4
         elif took > 0:
             for p in range(pieces):
                 f = (p + 0.5) / pieces

@@ -10,11 +10,39 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.geometry.segment import Point
 
 LONGEST = 252
 """Bytes of a row without its LF: LinuxCNC stops at a longer one, in the middle of a sheet (`LINELEN` in its source)."""
 _NEVER_SHOWN = frozenset({"Cc", "Cf", "Cs", "Zl", "Zp"})
 """Unicode categories of controls, of marks that turn or join text, of halves of characters, and of separators."""
+
+
+class Setup(NamedTuple):
+    """What a program's path and times depend on besides its control: how the machine stands, and is set.
+
+    Attributes
+    ----------
+    travel_mm_s
+        Speed of its rapids, for the times.
+    home
+        Where the program finds the torch.
+    held_s
+        How long the control holds the torch by itself where it starts to cut, and where it starts to mark.
+    tab_mm
+        A torch that goes off, moves on at a feed for no more than this, and is lit again, burns on.
+    torches
+        How many stand side by side; words say which of them burn.
+    """
+
+    travel_mm_s: float = 100.0
+    home: Point = (0.0, 0.0)
+    held_s: tuple[float, float] = (0.0, 0.0)
+    tab_mm: float = 0.0
+    torches: int = 1
+
+
+AS_IT_COMES = Setup()
 
 
 @contextmanager

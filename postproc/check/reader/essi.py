@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point, Segment
 
-from .controls import Control, in_file, rows_of
+from .controls import AS_IT_COMES, Control, Setup, in_file, rows_of
 from .program import LineEffect, NcProgram, State, Track
 from .tools import ToolsOn, finish_program
 from .words import Block, arc_by_centre, arc_by_radius
@@ -177,11 +177,9 @@ class _Program:
 
 def read_essi(
     text: str,
-    travel_mm_s: float,
-    file: str,
-    home: Point,
     control: Control,
-    held_s: tuple[float, float],
+    setup: Setup = AS_IT_COMES,
+    file: str = "",
     traced: list[LineEffect] | None = None,
 ) -> NcProgram:
     """Read a program; as `read_nc`, for controls that read ESSI. What each of its lines changes goes into `traced`.
@@ -193,12 +191,12 @@ def read_essi(
     --------
     >>> from .controls import CONTROLS
     >>> text = "71\\n81\\n5\\n+50+50\\n6\\n53\\n39+600\\n+100+\\n54\\n0\\n"
-    >>> (burn,) = read_essi(text, 100.0, "", (0.0, 0.0), CONTROLS["essi"], (0.0, 0.0)).burns
+    >>> (burn,) = read_essi(text, CONTROLS["essi"]).burns
     >>> burn.path.as_rows()
     [[5.0, 5.0], [15.0, 5.0]]
     """
-    track = Track(travel_mm_s, home)
-    program = _Program(track, _Tools(track, control, held_s), control)
+    track = Track(setup.travel_mm_s, setup.home)
+    program = _Program(track, _Tools(track, control, setup.held_s), control)
     with in_file(file):
         blocks = list(_blocks(text, control))
         if not blocks or blocks[-1][1] not in map(str, _ENDS):

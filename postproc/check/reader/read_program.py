@@ -14,7 +14,7 @@ from kerfwise.rules.profile.plant_sections import Origin
 from kerfwise.rules.profile.technique import Technique
 from kerfwise.rules.profile.values import Frame
 
-from .controls import COMMENT, QTPLASMAC, Control, Row, in_file, row_of, rows_of
+from .controls import AS_IT_COMES, COMMENT, QTPLASMAC, Control, Row, Setup, in_file, row_of, rows_of
 from .essi import read_essi
 from .grammar import DWELL, MOTION, NO_MOTION, ROUNDING, UNCHANGING, group_of, refused_g
 from .old_words import OldWords
@@ -44,9 +44,8 @@ def read_on_machine(
     """
     machine = profile.machine
     if trusted is None:
-        control, held_s = control_of(profile)
-        unlit_mm, torches = _unlit_mm(profile), _torches(profile)
-        program = read_nc(text, machine.travel_mm_s, file, machine.home, control, held_s, unlit_mm, torches)
+        control, setup = _as_set(profile)
+        program = read_nc(text, setup, file, control)
     else:
         program = old_on_machine(text, profile, trusted, file).program
     origin, zero = stated_origin(program)
@@ -60,11 +59,14 @@ def old_on_machine(text: str, profile: Technique, trusted: Trusted, file: str = 
 
     Raises InputError as `read_old` does; for a dialect that does not fit the profile's process.
     """
+    control, setup = _as_set(profile)
+    return read_old(text, control, trusted.feed_mm_min, setup, file)
+
+
+def _as_set(profile: Technique) -> tuple[Control, Setup]:
+    """The control, and how its machine is set. Raises InputError as `control_of` does."""
     machine, (control, held_s) = profile.machine, control_of(profile)
-    unlit_mm, torches = _unlit_mm(profile), _torches(profile)
-    return read_old(
-        text, control, trusted.feed_mm_min, machine.travel_mm_s, file, machine.home, held_s, unlit_mm, torches
-    )
+    return control, Setup(machine.travel_mm_s, machine.home, held_s, _unlit_mm(profile), _torches(profile))
 
 
 def _torches(profile: Technique) -> int:
@@ -174,17 +176,13 @@ def read_old(
     text: str,
     control: Control = QTPLASMAC,
     feed_mm_min: float | None = None,
-    travel_mm_s: float = 100.0,
+    setup: Setup = AS_IT_COMES,
     file: str = "",
-    home: Point = (0.0, 0.0),
-    held_s: tuple[float, float] = (0.0, 0.0),
-    tab_mm: float = 0.0,
-    torches: int = 1,
 ) -> OldProgram:
     """Read a program that somebody else wrote; `feed_mm_min` is what the machine's material has for a feed.
 
-    `tab_mm` and `torches` are as for `read_nc`. Raises InputError with line and column, as `read_nc` does; and for a
-    torch that is on in a rapid, or units that nobody states.
+    Raises InputError with line and column, as `read_nc` does; and for a torch that is on in a rapid, or units that
+    nobody states.
 
     Examples
     --------
@@ -193,17 +191,17 @@ def read_old(
     >>> old.program.burns[0].feeds_mm_s, [row.line for row in old.lines if row.travels]
     ((10.0,), [2])
     """
-    expect_words_for(torches, control, file)
+    expect_words_for(setup.torches, control, file)
     if control.arcs:
         steps: list[LineEffect] = []
-        program = read_essi(text, travel_mm_s, file, home, control, held_s, steps)
+        program = read_essi(text, control, setup, file, steps)
         _expect_cold_rapids(program, file)
-        return OldProgram(program, tuple(steps), (), (), text, home, text)
+        return OldProgram(program, tuple(steps), (), (), text, setup.home, text)
     with in_file(file):
         rows = unfold(text, control.filtered) if needs_unfolding(text) else None
     source, text = text, text if rows is None else "\n".join([*(row.text for row in rows), ""])
     further = OldWords(control, feed_mm_min)
-    machine = Machine(travel_mm_s, control, held_s, home, tab_mm, further, torches)
+    machine = Machine(control, setup, further)
     with in_file(file), at_lines_of(rows):
         try:
             traced = list(_traced(text, machine, further, control))
@@ -225,7 +223,7 @@ def read_old(
             file=file or None,
         )
     kerfs, notes = tuple(sorted(further.kerfs_mm)), tuple(_notes(further, rows))
-    return OldProgram(program, tuple(traced), kerfs, tuple(further.used), text, home, source, notes)
+    return OldProgram(program, tuple(traced), kerfs, tuple(further.used), text, setup.home, source, notes)
 
 
 def _traced(text: str, machine: Machine, further: OldWords, control: Control) -> Iterator[LineEffect]:
@@ -369,7 +367,7 @@ class UnknownWord:
 def unknown_words(text: str, control: Control) -> list[UnknownWord]:
     """The words of a program that are not known for a control, in the order in which they come first."""
     found: dict[str, UnknownWord] = {}
-    machine, further = Machine(1.0, control, (0.0, 0.0), (0.0, 0.0)), OldWords(control, 1000.0)
+    machine, further = Machine(control, AS_IT_COMES), OldWords(control, 1000.0)
     for line, raw in rows_of(text, control.longest, control.obeyed):
         for word, settles in _of_row(raw, line, control, machine, further):
             if word in found:

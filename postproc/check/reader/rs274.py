@@ -13,9 +13,8 @@ from copy import copy
 from dataclasses import dataclass, replace
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.geometry.segment import Point
 
-from .controls import QTPLASMAC, Control, Declared, Row, in_file, row_of, rows_of, without
+from .controls import AS_IT_COMES, QTPLASMAC, Control, Declared, Row, Setup, in_file, row_of, rows_of, without
 from .essi import read_essi
 from .grammar import ModalState, refuse_conflicts
 from .kerf_beside import ENDS, OFF, Beside, Listened, side_of, torch_moves, without_kerf
@@ -30,22 +29,11 @@ _KERF_MM = 0.001
 _NAMES_CUT = re.compile(r"(?:CUT|MARK|PIERCE) \d+ |STRETCH ", re.IGNORECASE)
 
 
-def read_nc(
-    text: str,
-    travel_mm_s: float = 100.0,
-    file: str = "",
-    home: Point = (0.0, 0.0),
-    control: Control = QTPLASMAC,
-    held_s: tuple[float, float] = (0.0, 0.0),
-    tab_mm: float = 0.0,
-    torches: int = 1,
-) -> NcProgram:
-    """Read a program; `travel_mm_s` is the speed of its rapids, for the times, `home` where it finds the torch.
+def read_nc(text: str, setup: Setup = AS_IT_COMES, file: str = "", control: Control = QTPLASMAC) -> NcProgram:
+    """Read a program as the control runs it.
 
-    The control holds the torch for `held_s` by itself where it starts to cut, and where it starts to mark. A torch that
-    goes off, moves on at a feed for no more than `tab_mm`, and is lit again, burns on. Of `torches` side by side words
-    say which burn. Raises InputError with line and column, for what is malformed, not understood or not checked, and
-    for a program without an end; for several torches, where the control has no words for them.
+    Raises InputError with line and column, for what is malformed, not understood or not checked, and for a program
+    without an end; for several torches, where the control has no words for them.
 
     Examples
     --------
@@ -53,10 +41,10 @@ def read_nc(
     >>> [(burn.tool, burn.line, burn.path.length_mm) for burn in program.burns]
     [(0, 3, 10.0)]
     """
-    expect_words_for(torches, control, file)
+    expect_words_for(setup.torches, control, file)
     if control.arcs:
-        return read_essi(text, travel_mm_s, file, home, control, held_s)
-    machine = Machine(travel_mm_s, control, held_s, home, tab_mm, torches=torches)
+        return read_essi(text, control, setup, file)
+    machine = Machine(control, setup)
     with in_file(file):
         rows = unfold(text) if control.subprograms and needs_unfolding(text) else None
         with at_lines_of(rows):
@@ -92,21 +80,14 @@ def expect_words_for(torches: int, control: Control, file: str = "") -> None:
 class Machine:
     """Runs blocks in the order in which the control executes their words; `further` are words it takes besides."""
 
-    def __init__(
-        self,
-        travel_mm_s: float,
-        control: Control,
-        held_s: tuple[float, float],
-        home: Point,
-        tab_mm: float = 0.0,
-        further: OldWords | None = None,
-        torches: int = 1,
-    ) -> None:
+    def __init__(self, control: Control, setup: Setup, further: OldWords | None = None) -> None:
         self.control = control
         self.further = further
-        self.track = Track(travel_mm_s, home, tab_mm=tab_mm, preheat_s=control.preheat_s)
+        self.track = Track(setup.travel_mm_s, setup.home, tab_mm=setup.tab_mm, preheat_s=control.preheat_s)
         self.tools: ToolsOn = (
-            Beam(self.track, control, held_s) if control.beam else Tools(self.track, control, held_s, count=torches)
+            Beam(self.track, control, setup.held_s)
+            if control.beam
+            else Tools(self.track, control, setup.held_s, count=setup.torches)
         )
         self.moves = ModalState(self.track, control)
         if further is not None and control.fed_by_chart:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from kerfwise.apps.batch.result import Figures, Row
-from kerfwise.apps.batch.run import Batch, run_batch
+from kerfwise.apps.batch.run import Batch, Beside, run_batch
 from kerfwise.apps.batch.store import Store
 from kerfwise.apps.batch.tasks import Machines, Options, machine_of, sources_in
 from kerfwise.apps.batch.verbs import printed
@@ -35,7 +35,7 @@ class Folder:
 
         machines = Machines((machine_of("plasma", "plasma-carbon-steel", False),))
         found = sources_in([self.given], self.out)
-        return run_batch(found, machines, Store(self.out), Options(), "1", nothing, tidied=tidied)  # type: ignore[arg-type]
+        return run_batch(found, machines, Store(self.out), Options(), "1", nothing, beside=Beside(tidy=tidied))  # type: ignore[arg-type]
 
     def files(self) -> set[str]:
         return {str(path.relative_to(self.out).as_posix()) for path in self.out.rglob("*.*") if path.parent != self.out}

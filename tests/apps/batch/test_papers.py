@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from kerfwise.apps.batch import reports
-from kerfwise.apps.batch.run import Batch, plan_task, run_batch
+from kerfwise.apps.batch.run import Batch, Beside, plan_task, run_batch
 from kerfwise.apps.batch.store import Store
 from kerfwise.apps.batch.tasks import Machines, Options, machine_of, sources_in
 from kerfwise.encoder.errors import RulesConflict
@@ -33,7 +33,8 @@ class Folder:
         machines = Machines((machine_of("plasma", "plasma-carbon-steel", False),))
         options = Options(work=0.2, seed=seed)
         found = sources_in([self.given], self.out)
-        return run_batch(found, machines, Store(self.out), options, "1", run_in_process(plan_task), sheets=sheets)
+        run = run_in_process(plan_task)
+        return run_batch(found, machines, Store(self.out), options, "1", run, beside=Beside(sheets=sheets))
 
     def index(self) -> str:
         return (self.out / "index.html").read_text(encoding="utf-8")

@@ -13,7 +13,7 @@ import pytest
 
 from kerfwise.apps.batch import tasks as reading
 from kerfwise.apps.batch.result import groups_of
-from kerfwise.apps.batch.run import Batch, Watcher, plan_task, plan_task_inputs, run_batch
+from kerfwise.apps.batch.run import Batch, Beside, Watcher, plan_task, plan_task_inputs, run_batch
 from kerfwise.apps.batch.store import Store
 from kerfwise.apps.batch.tasks import Machine, Machines, NestTask, Options, machine_of, sources_in
 from kerfwise.encoder.errors import InputError
@@ -77,7 +77,7 @@ def test_ten_nests_of_which_two_are_broken(batches: Batches) -> None:
     again = batches.run()
     assert (batches.begun, again.again, again.exit_code) == ([], 10, 1)
     assert batches.bytes() == before
-    batches.run(refused_again=True)
+    batches.run(beside=Beside(refused_again=True))
     assert sorted(batches.begun) == sorted((name, "plasma") for name in BROKEN)
     assert batches.bytes() == before
 

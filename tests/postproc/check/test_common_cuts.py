@@ -8,7 +8,7 @@ import pytest
 
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.check import CheckResult, check_program, report
+from kerfwise.postproc.check import Besides, CheckResult, check_program, report
 from kerfwise.postproc.check.coverage import Tabs
 from kerfwise.postproc.check.cuts_from_program import rebuild
 from kerfwise.postproc.check.reader.rs274 import read_nc
@@ -36,7 +36,7 @@ PROFILE = bare()
 
 
 def judged(burns: list[Line], sheet: Nest = GRID, tabs: Tabs | None = None) -> CheckResult:
-    return check_program(sheet, program_of(burns, PROFILE), PROFILE, tabs=tabs)
+    return check_program(sheet, program_of(burns, PROFILE), PROFILE, besides=Besides(tabs=tabs))
 
 
 def test_a_grid_of_which_every_edge_is_cut_once() -> None:
@@ -119,9 +119,9 @@ def test_a_tab_too_many_and_a_tab_that_is_cut() -> None:
 def test_a_pierce_that_finishes_no_contour_is_judged_too() -> None:
     given = replace(PROFILE, rules={**PROFILE.rules, "pierce": profile().rules["pierce"]})
     out: list[Line] = [[(x, y), *burn] for (x, y), burn in zip([(95, LOW - 5), (84, HIGH[1] + 5)], HALVES, strict=True)]
-    assert check_program(ONE, program_of(out, given), given, tabs=TABS).ok
+    assert check_program(ONE, program_of(out, given), given, besides=Besides(tabs=TABS)).ok
     on_part: list[Line] = [[(95, LOW + 5), *HALVES[0]], out[1]]
-    result = check_program(ONE, program_of(on_part, given), given, tabs=TABS)
+    result = check_program(ONE, program_of(on_part, given), given, besides=Besides(tabs=TABS))
     assert {"pierce", "no-gouging"} == set(result.broken())
     assert "A.outer (cut 1) is pierced inside itself, at (95.00, 44.25)" in report(result)
 

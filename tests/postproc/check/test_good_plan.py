@@ -7,6 +7,7 @@ import pytest
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.postproc.check import CheckResult, RelaxedStatement, check_cuts, report
 from kerfwise.postproc.check.cuts_from_program import rebuild
+from kerfwise.postproc.check.reader.controls import Setup
 from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan, check_program, judge, report_of
@@ -43,7 +44,7 @@ def test_every_rule_of_the_profile_is_judged() -> None:
 
 
 def test_a_program_is_rebuilt_into_the_cuts_it_was_written_from() -> None:
-    built = rebuild(PLATE, read_nc(PROGRAM, PROFILE.machine.travel_mm_s), KERF_MM, (0, 0))
+    built = rebuild(PLATE, read_nc(PROGRAM, Setup(PROFILE.machine.travel_mm_s)), KERF_MM, (0, 0))
     assert built.cuts.start_side == "left"
     for cut, planned in zip(built.cuts, PLAN.cuts, strict=True):
         want = planned.cut

@@ -9,10 +9,11 @@ import pytest
 
 from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.errors import InputError
+from kerfwise.postproc.check import Besides
 from kerfwise.postproc.check.check import check_program
 from kerfwise.postproc.check.cuts_from_program import rebuild
 from kerfwise.postproc.check.feeds import Heating, judge_running
-from kerfwise.postproc.check.reader.controls import CONTROLS
+from kerfwise.postproc.check.reader.controls import CONTROLS, Setup
 from kerfwise.postproc.check.reader.program import expand_torches
 from kerfwise.postproc.check.reader.read_program import read_old
 from kerfwise.postproc.check.reader.rs274 import read_nc
@@ -39,7 +40,7 @@ def test_over_a_tab_goes_on_what_was_lit_before() -> None:
     burnt = []
     for selected in ("M65 P1", "M64 P1"):
         text = "\n".join(("G21 G90", *rows)).format(selected)
-        read = read_nc(text, control=CONTROLS["linuxcnc"], tab_mm=2.0, torches=2)
+        read = read_nc(text, Setup(tab_mm=2.0, torches=2), control=CONTROLS["linuxcnc"])
         burnt.append([(round(burn.path.length_mm), burn.torches) for burn in read.burns])
     assert burnt == [[(20, ())], [(10, ()), (9, (2,))]]
 
@@ -49,7 +50,7 @@ def test_a_torch_pierces_where_the_first_begins_off_the_sheet() -> None:
     text = program("G0 X100 Y-5", "M3 S1", "G1 Y20 F600", "M5")
     told = {}
     for rows in (text, text.replace("M64", "M65")):
-        read = read_nc(rows, control=CONTROLS["linuxcnc"], torches=2)
+        read = read_nc(rows, Setup(torches=2), control=CONTROLS["linuxcnc"])
         (waits,) = (j for j in judge_running(PARTS, read, plant_) if j.id == "pierce-delay")
         told[rows] = [v.text for v in waits.violations]
     assert told[text] == ["line 4: torch 2 stands for 0 s before it moves, the profile asks for 0.5 s"]
@@ -58,7 +59,7 @@ def test_a_torch_pierces_where_the_first_begins_off_the_sheet() -> None:
 
 def test_holes_of_a_pass_are_pierced_by_each_torch() -> None:
     text = program("G0 X10 Y10", "M3 S1", "G4 P0.5", "M5")
-    read = expand_torches(read_nc(text, control=CONTROLS["linuxcnc"], torches=2), APART.shift)
+    read = expand_torches(read_nc(text, Setup(torches=2), control=CONTROLS["linuxcnc"]), APART.shift)
     built = rebuild(PARTS, read, 1.5, (0.0, 0.0), in_passes=True)
     assert [hole.at for hole in built.cuts.pierces] == [(10.0, 10.0), (10.0, 110.0)]
 
@@ -71,7 +72,7 @@ def test_heat_is_that_of_all_torches() -> None:
         return None
 
     text = program("G0 X20 Y10", "M3 S1", "G4 P0.5", "G1 X70 F600", "M5")
-    check_program(PARTS, text, plant(), thermometer=thermometer)
+    check_program(PARTS, text, plant(), besides=Besides(thermometer))
     assert seen[0] == [10.0, 110.0]
 
 
@@ -79,10 +80,10 @@ def test_heat_is_that_of_all_torches() -> None:
 def test_a_control_without_words_for_torches_is_refused(control: str) -> None:
     for read in (read_nc, read_old):
         with pytest.raises(InputError, match="selects torches"):
-            read("G21\nM2\n", control=CONTROLS[control], torches=2)
+            read("G21\nM2\n", control=CONTROLS[control], setup=Setup(torches=2))
 
 
 def test_a_trusted_program_says_which_torches_burn() -> None:
     text = program("G0 X10 Y10", "M3 S1", "G1 X20 F600", "M5").replace("M64 P1\n", "")
-    faults = read_old(text, CONTROLS["linuxcnc"], torches=2).program.faults
+    faults = read_old(text, CONTROLS["linuxcnc"], setup=Setup(torches=2)).program.faults
     assert "a tool starts before it is said whether torch 2 burns too" in [fault.text for fault in faults]

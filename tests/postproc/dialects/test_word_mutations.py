@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.postproc.check.reader.controls import Setup
 from kerfwise.postproc.check.reader.own_words import control_for
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.check.reader.rs274 import read_nc
@@ -94,7 +95,7 @@ def done(program: NcProgram) -> list[float]:
 def read(name: str, text: str) -> NcProgram:
     """What the control of a dialect, as it is shipped, makes of a program."""
     held_s = (1.0, 0.0) if load_dialect(name).pierce_dwell == "machine" else (0.0, 0.0)
-    return read_nc(text, control=control_for(load_dialect(name)), held_s=held_s)
+    return read_nc(text, Setup(held_s=held_s), control=control_for(load_dialect(name)))
 
 
 QUARTERS = [(name, (k + turn) % 4) for turn in range(4) for k, name in enumerate(dialect_names())]

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.postproc.check.reader.controls import CONTROLS
+from kerfwise.postproc.check.reader.controls import CONTROLS, Setup
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.postproc.check.torch_run import in_steps_of, tolerance_mm
@@ -141,7 +141,7 @@ points = st.lists(st.tuples(st.floats(0, 500), st.floats(0, 500)), min_size=2, m
 def test_no_rounding_adds_up(path: list[tuple[float, float]], home: tuple[float, float]) -> None:
     pen = GcodeWriter(load_dialect("essi"), home)
     blocks = [pen.rapid(point) for point in path] + [pen.rapid(home)]
-    program = read_nc("\n".join(["71", "81", "5", *blocks, "0", ""]), home=home, control=CONTROLS["essi"])
+    program = read_nc("\n".join(["71", "81", "5", *blocks, "0", ""]), setup=Setup(home=home), control=CONTROLS["essi"])
     for (x, y), (_, at) in zip(path, program.rapids, strict=False):
         assert math.dist((x, y), at) <= 0.05 * math.sqrt(2) + 1e-9
     assert program.end == pytest.approx(home, abs=1e-9)

@@ -9,6 +9,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kerfwise.postproc.check.reader.controls import Setup
 from kerfwise.postproc.check.reader.program import NcProgram, at_holes
 from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.tests.tools import canon
@@ -17,7 +18,8 @@ from kerfwise.tests.tools.amount import examples
 
 def test_a_square_with_times() -> None:
     program = read_nc(
-        "%\nN10 G21 G90\nG0 X30 Y40\n(CUT 1)\nM3 $0 S1\nG4 P0.5\nG1 X130 F600\nM5 $0\nG0 X0 Y0\n%\n(G1 X)\n", 50
+        "%\nN10 G21 G90\nG0 X30 Y40\n(CUT 1)\nM3 $0 S1\nG4 P0.5\nG1 X130 F600\nM5 $0\nG0 X0 Y0\n%\n(G1 X)\n",
+        Setup(50.0),
     )
     (burn,) = program.burns
     assert (burn.tool, burn.line, burn.comment) == (0, 5, "CUT 1")
