@@ -52,6 +52,16 @@ def read_named(path: str | Path, what: str, most_bytes: int = MOST_BYTES) -> byt
         raise InputError(f"cannot read {what}: no file can have this name ({error})", file=path) from None
 
 
+def utf8_text(data: bytes, what: str, file: str | Path | None = None) -> str:
+    """The text of a file's bytes, with or without a mark at its beginning; InputError says that it is not `what`."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
+        why = "it is UTF-16: save it as UTF-8" if wide else f"byte {error.start + 1}: {error.reason}"
+        raise InputError(f"not {what}: the file is not UTF-8 text ({why})", file=file) from None
+
+
 _only_within: tuple[str, ...] | None = None
 
 

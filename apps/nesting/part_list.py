@@ -13,7 +13,7 @@ from typing import Any
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_named
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_named, utf8_text
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.text import unknown
 from kerfwise.jobs.nest_job.job import Day, value_schema
@@ -82,11 +82,8 @@ def read_list(path: Path, skip_bad: bool = False) -> PartList:
     """
     if is_table(path):
         return _list_of_tables(path, skip_bad)
-    try:
-        text = read_named(path, "the list of parts", MOST_BYTES_OF_YAML).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"not a list of parts: the file is not UTF-8 text ({error.reason})", file=path) from None
-    return list_of(text, str(path))
+    data = read_named(path, "the list of parts", MOST_BYTES_OF_YAML)
+    return list_of(utf8_text(data, "a list of parts", path), str(path))
 
 
 def list_of(text: str, file: str) -> PartList:

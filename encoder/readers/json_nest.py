@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from kerfwise.encoder.bevels.bevel import Bevel, EdgeBevel
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import places, schema_message, spoken, strict_json, unknown_keys
+from kerfwise.encoder.files import places, schema_message, spoken, strict_json, unknown_keys, utf8_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Bridge, Contour, Kind, Nest, Note, Part, Sheet, Source, as_scrap
 from kerfwise.encoder.progress_notice import amount
@@ -98,10 +98,7 @@ def _bridges(entries: Sequence[Mapping[str, Any]], text: str, scale: float) -> t
 
 
 def _parsed(data: bytes) -> tuple[str, Any]:
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"not JSON: byte {error.start + 1} is not UTF-8 text") from None
+    text = utf8_text(data, "JSON")
     try:
         return text, strict_json(text)  # NaN becomes a text, which the schema refuses in place
     except json.JSONDecodeError as error:

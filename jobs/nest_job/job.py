@@ -15,7 +15,7 @@ from typing import Any
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_named
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_named, utf8_text
 from kerfwise.encoder.questions import Answers
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import AnswerPairs, Number, OptionKind, Text, Unfit, scalar_text
@@ -151,11 +151,7 @@ def read_job(path: str | Path) -> Job:
         If the file cannot be read, or is wrong anywhere, with line and column: all mistakes at once.
     """
     data = read_named(path, "the job file", MOST_BYTES_OF_YAML)
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"not a job file: the file is not UTF-8 text ({error.reason})", file=path) from None
-    return replace(job_of(text, str(path)), sha256=hashlib.sha256(data).hexdigest())
+    return replace(job_of(utf8_text(data, "a job file", path), str(path)), sha256=hashlib.sha256(data).hexdigest())
 
 
 def job_of(text: str, file: str) -> Job:

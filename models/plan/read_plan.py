@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from kerfwise.encoder.bevels.tilted_path import TiltedPath
 from kerfwise.encoder.cut import Cut, Pierce, Span, Tab
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import places, read_limited, schema_message, strict_json
+from kerfwise.encoder.files import places, read_limited, schema_message, strict_json, utf8_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.measures import MOST_MEETINGS, has_too_many_crossings
 from kerfwise.encoder.nest import CONTOUR_KINDS, Loss, Nest
@@ -44,16 +44,14 @@ def read_plan(path: str | Path) -> Plan:
         If the file cannot be read, is not JSON, or holds what the format does not allow, with line and column.
     """
     try:
-        text = read_limited(path).decode("utf-8-sig")
+        data = read_limited(path)
     except InputError as error:
         raise InputError(f"not a plan: {error.message}", file=path, line=error.line, column=error.column) from None
     except OSError as error:
         raise InputError(f"cannot read the plan: {error.strerror}", file=path) from None
-    except UnicodeDecodeError:
-        raise InputError("not a plan: the file is not UTF-8 text", file=path) from None
     except ValueError as error:  # no file can have this name
         raise InputError(f"not a plan: {error}", file=path) from None
-    return plan_in(text, path)
+    return plan_in(utf8_text(data, "a plan", path), path)
 
 
 def plan_in(text: str, path: str | Path = "the plan") -> Plan:

@@ -12,7 +12,7 @@ from importlib import resources
 import yaml
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited, utf8_text
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Unfit
@@ -64,11 +64,9 @@ def dialect_text(name: str) -> str:
     """
     if name.endswith((".yaml", ".yml")):
         try:
-            return read_limited(name, MOST_BYTES_OF_YAML).decode("utf-8")
+            return utf8_text(read_limited(name, MOST_BYTES_OF_YAML), "a dialect", name)
         except OSError as error:
             raise InputError(f"cannot read the dialect: {error.strerror}", file=name) from None
-        except UnicodeDecodeError:
-            raise InputError("not a dialect: the file is not UTF-8 text", file=name) from None
         except ValueError as error:  # a NUL, or half a character
             raise InputError(f"cannot read the dialect: no file can have this name ({error})", file=name) from None
     if name not in dialect_names():

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import MOST_BYTES_OF_YAML, expect_readable, read_limited
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, expect_readable, read_limited, utf8_text
 from kerfwise.encoder.text import escape_text
 from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.registry import RULES
@@ -73,9 +73,7 @@ def read_model_file(path: Path) -> ModelFile:
     if path.suffix != ".mzn":
         raise InputError("expected a MiniZinc file such as plant_rule.mzn", file=path)
     try:
-        text = read_limited(path, MOST_BYTES_OF_YAML).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"not a rule: the file is not UTF-8 text ({error.reason})", file=path) from None
+        text = utf8_text(read_limited(path, MOST_BYTES_OF_YAML), "a rule", path)
     except OSError as error:
         raise InputError(f"cannot read the rule: {error.strerror}", file=path) from None
     stem = path.stem.replace("-", "_")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import yaml
 
 from kerfwise.encoder.errors import InputError, rule_hook
-from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, is_there, read_limited
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, is_there, read_limited, utf8_text
 from kerfwise.encoder.text import escape_text, nearest, unknown
 from kerfwise.rules.flat.model_file import read_model_file
 from kerfwise.rules.flat.model_rule import options_class
@@ -71,7 +71,7 @@ def _load(name: str, folder: Path, chain: tuple[str, ...], trust: bool) -> Profi
         raise InputError(f"it goes in a circle: {' → '.join((*chain, file))}")
     if len(chain) >= LONGEST_CHAIN:
         raise InputError(f"more than {LONGEST_CHAIN} profiles are based on each other in a row")
-    text = decoded(content, file)
+    text = utf8_text(content, "a profile", file)
     bases: list[str] = []
 
     def base(of: str) -> ProfileValues:
@@ -115,15 +115,7 @@ def profile_text(name_or_path: str | Path) -> str:
         If there is none, or it is not UTF-8.
     """
     file, _, content = content_of(str(name_or_path), Path())
-    return decoded(content, file)
-
-
-def decoded(content: bytes, file: str) -> str:
-    """The text of a profile's bytes; an InputError if they are not UTF-8."""
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"not a profile: the file is not UTF-8 text ({error.reason})", file=file) from None
+    return utf8_text(content, "a profile", file)
 
 
 def _meant(path: Path) -> str:
@@ -348,7 +340,7 @@ def read_fields(
     for key, key_node, value in members:
         if key not in options:
             valid = [*options, *other]
-            comma = "; decimals are written with a point" if key.isdigit() and is_empty(value) else ""
+            comma = "; decimals are written with a point" if key[:1].isdigit() and is_empty(value) else ""
             problems.add(key_node, f"{what}: {elsewhere(key, valid) or unknown('key', key, valid)}{comma}")
             continue
         if isinstance(options[key].kind, Members):

@@ -218,7 +218,10 @@ def test_what_is_no_nest(tmp_path: Path, text: str, said: str) -> None:
 def test_bytes_that_are_no_text(tmp_path: Path) -> None:
     path = tmp_path / "nest.json"
     path.write_bytes(b'{"format": "\xff\xfe"}')
-    with pytest.raises(InputError, match="not JSON: byte 13 is not UTF-8 text"):
+    with pytest.raises(InputError, match=r"not JSON: the file is not UTF-8 text \(byte 13: invalid start byte"):
+        read_nest(path)
+    path.write_bytes('{"format": 1}'.encode("utf-16"))
+    with pytest.raises(InputError, match=r"\(it is UTF-16: save it as UTF-8\)"):
         read_nest(path)
 
 

@@ -78,6 +78,9 @@ MISTAKES = {
     "material: {kerf: 1,5}": (
         f"1:20: material: unknown key '5' (valid: {OF_MATERIAL}); decimals are written with a point"
     ),
+    "material: {kerf: 1,5 mm}": (
+        f"1:20: material: unknown key '5 mm' (valid: {OF_MATERIAL}); decimals are written with a point"
+    ),
     "material:\n  kerf: 1,5 mm": (
         f"2:9: material.kerf: expected {LENGTH}, got '1,5 mm': write decimals with a point, 1.5 mm"
     ),
