@@ -38,6 +38,8 @@ def wrong_at(place: Place | None, message: str, file: str = "") -> InputError:
 def raise_together(errors: Iterable[InputError]) -> None:
     """Raise InputError with the first of these, and what the others say as details; nothing where there is none."""
     found = list(errors)
+    if len(found) == 1:
+        raise found[0]
     if found:
         first, others = found[0], found[1:]
         details = (*first.details, *(line for e in others for line in (str(e).splitlines()[0], *e.details)))
@@ -46,10 +48,14 @@ def raise_together(errors: Iterable[InputError]) -> None:
 
 @dataclass(slots=True)
 class Problems:
-    """The mistakes found so far in one file; `raise_any` reports them all in one `InputError`."""
+    """The mistakes found so far in one file; `raise_any` reports them all in one `InputError`.
+
+    `elsewhere` are those of files that it names.
+    """
 
     file: str
     found: list[tuple[int, int, str]] = field(default_factory=list)
+    elsewhere: list[InputError] = field(default_factory=list)
 
     def add(self, node: yaml.Node, message: str) -> None:
         """Note a mistake at a node."""
@@ -62,11 +68,8 @@ class Problems:
 
     def raise_any(self) -> None:
         """Raise InputError with the first mistake and the others as details, if there are any."""
-        if not self.found:
-            return
-        (line, column, message), *rest = sorted(self.found)
-        details = tuple(f"{self.file}:{ln}:{col}: {text}" for ln, col, text in rest)
-        raise InputError(message, file=self.file, line=line, column=column, details=details)
+        own = (InputError(text, file=self.file, line=line, column=column) for line, column, text in sorted(self.found))
+        raise_together((*own, *self.elsewhere))
 
 
 def compose(text: str, file: str) -> yaml.Node | None:

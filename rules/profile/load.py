@@ -238,11 +238,12 @@ def profile_values(
     values = with_dialect_beside(found.get("machine"), values, problems)
     if not problems.found:
         values = with_chart({section: found[section] for section in SECTIONS if section in found}, values, problems)
-    if "python" in found:
-        values |= with_python_files(found["python"], values, problems, trust)
-    if "models" in found:
-        values |= with_model_files(found["models"], values, problems)
-    if "rules" in found:
+    for key, with_files in (("python", partial(with_python_files, trust=trust)), ("models", with_model_files)):
+        try:
+            values |= with_files(found[key], values, problems) if key in found else {}
+        except InputError as error:
+            problems.elsewhere.append(error)
+    if "rules" in found and not problems.elsewhere:  # else nobody knows all rules
         values["rules"] = read_rules(found["rules"], values["rules"], problems, RULES | values["further_rules"])
     if "locks" in found:
         values["locks"] = read_locks(found["locks"], problems)
@@ -252,7 +253,7 @@ def profile_values(
     values["said_at"] = {**values["said_at"], **places}
     values |= _timed_at(measured_mm_s, values, places)
     values["kept"] = kept_of_thickness(start_mm, values, places)
-    if root is not None:
+    if root is not None and not problems.elsewhere:
         check_together(values, root, problems)
     problems.raise_any()
     return values
@@ -309,8 +310,9 @@ def _base(node: yaml.Node, problems: Problems, load_base: Callable[[str], Profil
         return load_base(name)
     except InputError as error:
         if error.line is not None:
-            raise
-        problems.add(node, f"based_on: {error}")
+            problems.elsewhere.append(error)
+        else:
+            problems.add(node, f"based_on: {error}")
         return {}
 
 

@@ -220,3 +220,17 @@ def test_a_file_that_is_nearly_called_so_is_named(tmp_path: Path) -> None:
         load_profile(tmp_path / "lser.yaml")
     with pytest.raises(InputError, match=r"No such file or directory$"):
         load_profile(tmp_path / "gone" / "lser.yaml")
+
+
+def test_mistakes_of_all_files_are_said_at_once(tmp_path: Path) -> None:
+    """Of the profile, of the one that it is based on, and of the rules' files."""
+    (tmp_path / "base.yaml").write_text("material: {kerff: 2}\nleads: {led: line}\n")
+    (tmp_path / "plant.yaml").write_text(
+        "based_on: base.yaml\nmachine: {cut_fed: 1}\npython: [no.py]\nmodels: [no.mzn]\nrules: {of base: hard}\n"
+    )
+    with pytest.raises(InputError) as caught:
+        load_profile(tmp_path / "plant.yaml")
+    lines = str(caught.value).splitlines()
+    assert [line.split(": ")[0].split("/")[-1] for line in lines] == [
+        "plant.yaml:2:11", "plant.yaml:4:10", "base.yaml:1:12", "base.yaml:2:9", "plant.yaml:3:10",
+    ]  # fmt: skip
