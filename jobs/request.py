@@ -319,7 +319,7 @@ def _requested(facts: Facts, profile: Profile, relax: bool, limits: SolveOptions
     stated = state_rules(facts, profile)
     if (zone := zones_that_yield(facts, stated.statements, zoning)) is not None:
         facts = replace(facts, zone=zone)
-        stated = state_rules(facts, profile)
+        stated = state_rules(facts, profile, stated)
     return Request(facts, stated, running_s() - began_s)
 
 

@@ -118,9 +118,9 @@ def _spare(problem: Problem, unlawful: Bools) -> Bools:
     for sites in groups:
         for s in sites:
             for t in sites:
-                if t == s or spare[t] or crossed[t] - crossed[s] or linked[s] - linked[t]:
+                if t == s or spare[t] or _has_more(crossed, t, s) or _has_more(linked, s, t):
                     continue
-                if timed and linked[t] - linked[s]:  # it would change when others are cut
+                if timed and _has_more(linked, t, s):  # it would change when others are cut
                     continue
                 more = counts[t] - counts[s]
                 costs = [cost for _, _, _, cost in more.elements()]
@@ -191,15 +191,30 @@ def _conditions_by_site(
 
 def _moves_by_site(
     moves: Crossings | Links, one: Ints | Int32s, other: Ints, compared: Bools
-) -> dict[int, Counter[tuple[str, int, int, int]]]:
-    """The moves of each site, with two of their columns."""
-    found: dict[int, Counter[tuple[str, int, int, int]]] = defaultdict(Counter)
-    for way, here, there in (("to", moves.leave, moves.reach), ("from", moves.reach, moves.leave)):
-        of = compared[here]
-        columns = (here[of].tolist(), there[of].tolist(), one[of].tolist(), other[of].tolist())
-        for site, place, a, b in zip(*columns, strict=True):
-            found[site][way, place, a, b] += 1
-    return found
+) -> dict[int, tuple[Ints, ...]]:
+    """The moves of each site that is compared: the other site (below 0: to it) and two columns, in one order."""
+    found: dict[int, list[Ints]] = {site: [] for site in np.flatnonzero(compared).tolist()}
+    for here, there, to in ((moves.leave, moves.reach, False), (moves.reach, moves.leave, True)):
+        rows = np.flatnonzero(compared[here])
+        rows = rows[np.argsort(here[rows], kind="stable")]
+        sites, begin = np.unique(here[rows], return_index=True)
+        place = there[rows].astype(np.int64)
+        table = np.stack((~place if to else place, one[rows], other[rows]))
+        pieces = np.split(table, begin[1:], axis=1) if len(rows) else []
+        for site, columns in zip(sites.tolist(), pieces, strict=True):
+            found[site].append(columns)
+    none = np.zeros((3, 0), dtype=np.int64)
+    tables = {site: np.concatenate((none, *columns), axis=1) for site, columns in found.items()}
+    return {site: tuple(table[:, np.lexsort(table)]) for site, table in tables.items()}
+
+
+def _has_more(moves: dict[int, tuple[Ints, ...]], site: int, than: int) -> bool:
+    """Whether a site has a move oftener than another."""
+    of, others = moves[site], moves[than]
+    if all(np.array_equal(column, other) for column, other in zip(of, others, strict=True)):
+        return False
+    counts, beside = (Counter(zip(*(c.tolist() for c in columns), strict=True)) for columns in (of, others))
+    return not counts <= beside
 
 
 def _with_sites(problem: Problem, kept: Bools) -> Problem:

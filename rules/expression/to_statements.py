@@ -378,6 +378,8 @@ def without_words(node: Node, n: int) -> Node:
     if isinstance(node, bool):
         return node
     if isinstance(node, Gate):
+        if all(isinstance(lit.atom, Before | Pick) for lit in literals(node)):
+            return node
         values: dict[Node, int] = {}
         for term, weight in node.terms:
             plain = without_words(term, n)

@@ -112,6 +112,13 @@ class ModelRule(Rule[Any]):
             )
 
     def statements(self, facts: Facts, options: Any) -> Iterator[Statement]:
+        """What the file says of the facts, kept as long as these live: a look for a conflict asks once more."""
+        kept = _stated.setdefault(facts, {})
+        if (self, options) not in kept:
+            kept[self, options] = tuple(self._statements(facts, options))
+        yield from kept[self, options]
+
+    def _statements(self, facts: Facts, options: Any) -> Iterator[Statement]:
         from kerfwise.rules.expression.to_statements import NotExpressible, Way, Writer
 
         from .flatten import flatten  # most runs have no rule in a file: they do without the reading of such
@@ -383,6 +390,7 @@ def parameters_data(file: ModelFile, options: Any) -> Fields:
 
 
 _facts: WeakKeyDictionary[Facts, str] = WeakKeyDictionary()
+_stated: WeakKeyDictionary[Facts, dict[tuple[ModelRule, Any], tuple[Statement, ...]]] = WeakKeyDictionary()
 
 
 def facts_data(facts: Facts) -> str:

@@ -9,12 +9,14 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs import request
 from kerfwise.jobs.request import facts_of
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.catalogue.level_ahead import LevelAhead
@@ -116,6 +118,25 @@ def test_what_is_taken_over_is_not_stated(monkeypatch: pytest.MonkeyPatch) -> No
     state_rules(facts, profile, first)
     assert "zone-order" in asked
     assert not {"level-ahead", "part-rigidity", "heat-lag"} & set(asked)
+
+
+def test_where_zones_yield_no_rule_but_theirs_is_stated_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    profile = load_profile()
+    facts = facts_of(ROUND, profile)
+    asked: list[str] = []
+    plain = stating.stated_by
+
+    def stated_by(rule: Any, facts: Facts, options: Any) -> Any:
+        asked.append(rule.id)
+        return plain(rule, facts, options)
+
+    monkeypatch.setattr(stating, "stated_by", stated_by)
+    monkeypatch.setattr(request, "zones_that_yield", lambda facts, *_: np.ones_like(facts.zone))
+    stated = request.make_request(facts, profile).stated
+    assert asked.count("zone-order") == 2
+    assert asked.count("level-ahead") == 1
+    anew = state_rules(replace(facts, zone=np.ones_like(facts.zone)), profile)
+    assert Counter(s.about for s in stated.statements) == Counter(s.about for s in anew.statements)
 
 
 @pytest.mark.parametrize(
