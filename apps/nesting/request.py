@@ -242,9 +242,9 @@ def _types(row: PartRow, folder: Path, reading: ReadOptions, tell: Tell) -> Iter
         quantity = row.quantity or _drawn_quantity(part)
         if row.quantity is None and quantity > 1:
             tell(f"{file}: {quantity} copies of {name}, as the drawing or its name says (say how many to have others)")
-        kind = PartType(name, part, quantity, row.priority, row.order, turns, row.mirror, str(file), free)
+        kind = PartType(name, part, quantity, row.priority, escape_text(row.order), turns, row.mirror, str(file), free)
         due = "" if row.due is None else row.due.isoformat()
-        yield replace(kind, material=row.material, thickness_mm=row.thickness_mm, due=due)
+        yield replace(kind, material=escape_text(row.material), thickness_mm=row.thickness_mm, due=due)
 
 
 def _in_folder(folder: Path, name: str) -> Path:
@@ -321,7 +321,7 @@ def _stock(row: SheetRow, folder: Path, reading: ReadOptions) -> Stock:
         width, height = _size(row)
         sheet, name = Sheet.rectangle(width, height), f"{width:g}x{height:g}"
     count = 1 if row.remnant and row.stock is None else row.stock
-    return Stock(name, sheet, count, row.price, row.remnant, row.material, row.thickness_mm)
+    return Stock(name, sheet, count, row.price, row.remnant, escape_text(row.material), row.thickness_mm)
 
 
 def _size(row: SheetRow) -> tuple[float, float]:

@@ -90,6 +90,16 @@ def test_what_is_set_on_the_command_line_stands_in_the_job_files(shop: Path, lis
     assert Path("again.nc").read_bytes() == Path("out/sheet1.nc").read_bytes()
 
 
+def test_what_a_terminal_would_obey_in_a_list_is_written_out(shop: Path) -> None:
+    Path("list.csv").write_text("file;qty;mat;t;order\nplate;1;S235;6;47\u200b11\n", encoding="utf-8")
+    code, _, err = nested("list.csv", "--sheet", "400x300", "-p", "plant.yaml")
+    assert code == 0, err
+    written = {file.name: file.read_text(encoding="utf-8") for file in Path("out").rglob("*.*") if file.is_file()}
+    assert {"nests.json", "sheet1.json"} <= written.keys()
+    assert [name for name, text in written.items() if "\u200b" in text] == []
+    assert r"47\\u200b11" in written["sheet1.json"]
+
+
 def test_a_profile_on_another_drive_is_named_by_its_whole_path(shop: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def no_way(path: object, start: object = None) -> str:
         raise ValueError("path is on mount 'D:', start on mount 'C:'")
