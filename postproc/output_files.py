@@ -306,7 +306,7 @@ _HOW = "name the outputs (-o, --plan, --picture), or move it away"
 def _plan_of(path: Path) -> str | None:
     """The file name of the nest that a plan is of; None where there is no plan that says so."""
     try:
-        name = json.loads(path.read_bytes())["nest"]["file"]
+        name = json.loads(path.read_bytes() if is_file(path) else b"")["nest"]["file"]  # a pipe may never end
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return None
     return name if isinstance(name, str) and name else None
@@ -332,6 +332,8 @@ def _is_picture_of(nest: Path, path: Path) -> bool:
 
 def _head(path: Path) -> bytes:
     try:
+        if not is_file(path):
+            return b""
         with path.open("rb") as file:
             return file.read(_OUTPUT_HEAD_BYTES)
     except OSError:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import yaml
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_limited
 
 SHORT = 8000
 """Characters of a text whose nodes are kept: a shipped profile or dialect, which one command reads several times."""
@@ -186,9 +186,12 @@ def deepest(node: yaml.Node, *path: str) -> yaml.Node:
 
 
 def place_in(file: str, *paths: tuple[str, ...]) -> Place | None:
-    """Where a file has the first of these keys that it has at all; None where it has none or cannot be read."""
+    """Where a file has the first of these keys that it has at all; None where it has none or cannot be read.
+
+    No pipe is read: nobody knows whether anything comes out of it.
+    """
     try:
-        root = compose(Path(file).read_text(encoding="utf-8-sig"), file)
+        root = compose(read_limited(file, MOST_BYTES_OF_YAML).decode("utf-8-sig"), file) if is_file(file) else None
     except (OSError, UnicodeDecodeError, InputError):
         return None
     for path in paths:

@@ -33,6 +33,7 @@ from kerfwise.postproc.report import draw
 from kerfwise.postproc.report.simple_pictures import reading_picture, thumbnail
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.overrides import lines_of
+from kerfwise.rules.statements import EXEMPTION_MM
 
 from .job_edits import JobText, conflicting_locks, edited, settings_of
 from .plan_request import Answers, PlanRequest, Questions, already_of, enter_nest_folder, job_in, request_inputs
@@ -173,9 +174,9 @@ class Desk:
     ) -> dict[str, Any]:
         """Whether contours can be cut from another place on, what it costs, or what forbids it; nothing is planned.
 
-        `how` is "goes"; "gives way", where rules yield to the lock; "others move", where it is forbidden with the
-        others in their places and orders leave room for another plan; or "no". `locks` are what a drop there would
-        lock, and `undone` those of before that it takes the place of.
+        `how` is "goes"; "gives way", where rules yield to the lock, or a hard one does not hold at a place more;
+        "others move", where it is forbidden with the others in their places and orders leave room for another plan; or
+        "no". `locks` are what a drop there would lock, and `undone` those of before that it takes the place of.
         """
         explainer, mover = self._mover(wanted, plan)
         contours = _contours_of(self._read(wanted).given.nest, contours)
@@ -186,7 +187,7 @@ class Desk:
         gives_way = _gives_way(explainer, moved)
         room = not moved.lawful and mover.has_room(contours, place, given_up)
         return {
-            "how": "goes" if moved.lawful else "gives way" if gives_way else "others move" if room else "no",
+            "how": _how(moved.lawful, _yields(gives_way, moved.more_mm), room),
             "contours": list(moved.contours),
             "place": moved.place,
             "lawful": moved.lawful,
@@ -267,6 +268,18 @@ def _contours_of(nest: Nest, names: Sequence[str]) -> list[str]:
     if not found:
         raise InputError(f"the nest has no {', '.join(repr(escape_text(name)) for name in names)}")
     return list(dict.fromkeys(found))
+
+
+def _yields(gives_way: Sequence[str], more_mm: float | None) -> bool:
+    """Whether hard rules do not hold: to a lock, or by an excuse more."""
+    return bool(gives_way) or round((more_mm or 0.0) / EXEMPTION_MM) > 0
+
+
+def _how(lawful: bool, yields: bool, room: bool) -> str:
+    """What a move comes to, in the words of the page."""
+    if yields:
+        return "gives way"
+    return "goes" if lawful else "others move" if room else "no"
 
 
 def _gives_way(explainer: Explainer, moved: MovePreview) -> list[str]:

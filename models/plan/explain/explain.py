@@ -294,7 +294,8 @@ def difference(more_um: int | None) -> str:
     mm = f"{abs(um) / UM_PER_MM:.1f} mm {'more' if um > 0 else 'less'}" if um else "as long"
     if not excuses:
         return mm
-    return f"{abs(excuses)} {'more' if excuses > 0 else 'fewer'} excuses from hard rules, {mm}"
+    named = "excuse" if abs(excuses) == 1 else "excuses"
+    return f"{abs(excuses)} {'more' if excuses > 0 else 'fewer'} {named} from hard rules, {mm}"
 
 
 def price(mm: float) -> str:

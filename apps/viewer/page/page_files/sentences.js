@@ -90,6 +90,8 @@ sentence(
   "kept: {why}",
   "{n} more excuses from hard rules, {cost}",
   "{n} fewer excuses from hard rules, {cost}",
+  "1 more excuse from hard rules, {cost}",
+  "1 fewer excuse from hard rules, {cost}",
   "one place earlier",
   "one place later",
   "as early as can be",

@@ -81,7 +81,7 @@ export class Judge {
       return null;
     }
     this.place.className = `said ${KINDS_OF_MOVES[told.how] ?? ""}`;
-    this.place.replaceChildren(make("b", {}, headOf(told)), make("span", {}, inWords(told.text)),
+    this.place.replaceChildren(make("b", {}, headOf(told)), make("span", {}, bodyOf(told)),
       told.undone.length ? make("span", { class: "replaces" }, tr("takes the place of the lock: {locks}", { locks: told.undone.join("; ") })) : "");
     return told;
   }
@@ -90,8 +90,20 @@ export class Judge {
 /** What a drop would come to, in few words. */
 /** @type {(told: any) => string} */
 function headOf({ how, gives_way }) {
+  if (how === "gives way" && !gives_way.length) return tr("A hard rule gives way at one place more");
   if (how === "gives way") return trn("A rule gives way: {rules}", "Rules give way: {rules}", gives_way.length, { rules: gives_way.join(", ") });
   return how === "goes" ? tr("It goes there") : how === "others move" ? tr("Others will move: it is planned anew around this place") : tr("Will not go there");
+}
+
+/** What it costs, or what stands against it: of a move that is made all the same, not that it cannot be. */
+/** @type {(told: any) => string} */
+function bodyOf({ how, text, contours, place, breaks: [first, ...more] }) {
+  if (!first || how === "no") return inWords(text);
+  const [name, ...others] = contours, names = others.length ? `${name} ${tr("and {n} more", { n: others.length })}` : name;
+  const said = { names, to: place, rule: first.rule, why: inWords(first.text) };
+  const why = how === "gives way" ? tr("{names} as number {to}, against {rule}: {why}", said)
+    : tr("{names} as number {to}; in the order as it is now {rule} forbids it: {why}", said);
+  return more.length ? `${why} ${tr("and {n} more", { n: more.length })}` : why;
 }
 
 /** @type {(move: Move, look: boolean) => string} */
@@ -109,6 +121,6 @@ function query({ names, to, plan }, look) {
 export async function dropThere(work, move) {
   const told = await askServer(`${work.path("move")}?${query(move, false)}`).catch(error => { work.say(error.message, "bad"); return null; });
   if (!told) return;
-  work.say(inWords(told.text));
+  work.say(bodyOf(told));
   await lockAndPlan(work, [...told.undone.map((/** @type {string} */ line) => ({ unlock: line })), ...told.locked.map((/** @type {string} */ line) => ({ lock: line }))], move.plan);
 }

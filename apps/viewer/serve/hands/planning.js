@@ -75,7 +75,7 @@ async function saveAll(work) {
   const { files, command, same_bytes } = told.saved;
   const names = files.join(", ");
   work.say(same_bytes ? tr("saved {names}; the same by: {command}", { names, command })
-    : tr("saved {names}; it was cancelled: {command} may find a better one", { names, command }), "good");
+    : tr("saved {names}; it was shown on the way: {command} plans anew and may find another", { names, command }), "good");
 }
 
 /** What is being done, as a planner says it, by what the server calls it. */

@@ -142,6 +142,24 @@ def test_a_pipe_holds_nobody_up(served: Served, client: httpx.Client, tmp_path: 
     assert answer.status_code == 200  # a job file is a file
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no such files")
+def test_a_pipe_in_the_place_of_a_job_file_or_an_output_holds_nobody_up(opened: Open) -> None:
+    """The job file is what somebody has edited here; whether a pipe is written over or refused, it is not read."""
+    tab = opened()
+    tab.solved()
+    os.mkfifo(tab.nest.with_name("small.job.yaml"))
+    tab.edit({"lock": "C.outer last"})
+    tab.wait_s = 60.0
+    assert tab.solved()["problem"] == ""
+    for name in ("small.plan.json", "small.nc", "small.svg"):
+        os.mkfifo(tab.nest.with_name(name))
+    began_s = time.monotonic()
+    answer = tab.client.post(f"/api/{tab.id}/save", json={"version": tab.version})
+    assert answer.status_code in (200, 422), answer.text
+    assert time.monotonic() - began_s < 20
+    assert tab.state()["locked"] == ["C.outer last"]
+
+
 def test_a_question_has_a_limit_of_time(opened: Open, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is given up, and the next one is answered by another process."""
     tab = opened()

@@ -7,12 +7,14 @@ from dataclasses import replace
 
 import pytest
 
+from kerfwise.apps.viewer.serve.query_worker import _how, _yields
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.explainer import Explainer, Mover
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.request import options_for
 from kerfwise.models.engines.solution import Solution
+from kerfwise.models.plan.explain.explain import difference
 from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.pipeline import plan_nest
 from kerfwise.postproc.clock import with_times
@@ -20,6 +22,7 @@ from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.statements import EXEMPTION_MM
 
 ROW = nest(
     400, 140, part("A", rect(20, 20, 80, 80), [rect(50, 50, 20, 20)]), part("B", rect(130, 20, 80, 80)),
@@ -118,3 +121,14 @@ def test_orders_leave_room_for_a_place_or_not() -> None:
 def test_what_there_is_not_is_said(names: list[str], place: int, said: str) -> None:
     with pytest.raises(InputError, match=said):
         Mover(explainer(ROW)).move(names, place)
+
+
+def test_a_move_that_a_hard_rule_does_not_outlive_is_no_move_that_just_goes() -> None:
+    """It is lawful, for the rule allows excuses, and dear; it is told in amber, as rules that yield to a lock are."""
+    assert _how(True, _yields([], EXEMPTION_MM + 445.3), False) == "gives way"
+    assert _how(True, _yields([], 445.3), False) == "goes"
+    assert _how(True, _yields([], -EXEMPTION_MM), False) == "goes"
+    assert _how(False, _yields(["level-ahead"], None), True) == "gives way"
+    assert (_how(False, _yields([], None), True), _how(False, _yields([], None), False)) == ("others move", "no")
+    assert difference(round((EXEMPTION_MM + 445.3) * 1000)) == "1 more excuse from hard rules, 445.3 mm more"
+    assert difference(round(-2000 * EXEMPTION_MM)) == "2 fewer excuses from hard rules, as long"
