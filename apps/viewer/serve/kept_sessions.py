@@ -175,7 +175,7 @@ class KeptSessions:
         if folder is None or not folder.is_dir():
             return None
         data = self._session(key)
-        kept = set(data.get("kept", ()))
+        kept = {number for number in data.get("kept", ()) if isinstance(number, int)}
         plans = [replace(one, kept=one.number in kept) for one in self._plans(folder, nest)]
         if not data and not plans:
             return None
@@ -229,7 +229,7 @@ class KeptSessions:
     def _session(self, key: str) -> dict[str, Any]:
         folder = self._of(key, make=False)
         data = {} if folder is None else _json_in(folder / "session.json")
-        return data if data.get("format") == FORMAT else {}
+        return data if data.get("format") == FORMAT and _is_sound(data) else {}
 
     def _of(self, key: str, make: bool = True) -> Path | None:
         if self._folder is None or not key.isalnum():
@@ -285,6 +285,25 @@ def _json_in(path: Path) -> dict[str, Any]:
     except (OSError, ValueError):
         return {}
     return data if isinstance(data, dict) else {}
+
+
+_KEPT_TYPES: Mapping[str, tuple[type, ...]] = {
+    "nest": (str,), "on_disk": (str, type(None)), "seen": (dict, type(None)), "changed_job": (dict, type(None)),
+    "shown": (int,), "state": (str,), "made": (int,), "runs": (int,), "saved": (dict, type(None)), "kept": (list,),
+}  # fmt: skip
+_WANTED_TYPES: Mapping[str, tuple[type, ...]] = {
+    "job_text": (str, type(None)), "repair": (bool,), "old_plan": (str, type(None)), "upto": (int,)
+}  # fmt: skip
+
+
+def _is_sound(data: dict[str, Any]) -> bool:
+    """Whether a session has what this version keeps; a damaged one, or another version's, opens no nest otherwise."""
+    wanted = data.get("wanted")
+    return isinstance(wanted, dict) and all(
+        isinstance(held.get(name, ...), types)
+        for held, expected in ((data, _KEPT_TYPES), (wanted, _WANTED_TYPES))
+        for name, types in expected.items()
+    )
 
 
 def _request_told(wanted: PlanRequest) -> dict[str, Any]:

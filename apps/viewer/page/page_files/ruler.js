@@ -132,6 +132,6 @@ function scale(context, wide, end, colour) {
   for (let at = 0; at <= end; at += step) {
     const x = (at / end) * wide;
     context.fillRect(x, 10, 1, 4);
-    if (x < wide - 30) context.fillText(clock(at), x + 3, 10);
+    if (x + 3 + context.measureText(clock(at)).width <= wide) context.fillText(clock(at), x + 3, 10);
   }
 }

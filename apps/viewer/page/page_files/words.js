@@ -47,6 +47,19 @@ export function provenShort({ status, gap, light_gap }) {
   return status === "optimal" ? tr("proven") : gap === null ? tr("nothing proven") : tr("gap {share}", { share: percent(light_gap ?? gap) });
 }
 
+/**
+ * What a planning has come to: the plan that is shown, and that it stays where the one made anew at the end is dearer.
+ *
+ * @type {(alternatives: any[], shown: number) => string}
+ */
+export function reachedPlan(alternatives, shown) {
+  const plan = alternatives.find(one => one.number === shown), last = alternatives.at(-1);
+  if (!plan) return "";
+  const text = tr("plan {number}: idle {idle}, {proof}", { number: shown, idle: metres(plan.figures.idle_mm), proof: provenShort(plan.figures) });
+  const dearer = last.run === plan.run && last.stage === "final" && last.number > shown;
+  return dearer ? `${text}; ${tr("it stays: plan {other}, made anew, is dearer", { other: last.number })}` : text;
+}
+
 /** @type {(place: readonly number[]) => string} */
 export function placeText(place) {
   return `(${figure(place[0], 1)}; ${figure(place[1], 1)})`.replace("; ", language() === "en" ? ", " : "; ");

@@ -3,7 +3,7 @@
 import { make } from "./elements.js";
 import { figure, tr } from "./say.js";
 import { inWords } from "./sentences.js";
-import { metres, percent, provenShort } from "./words.js";
+import { percent, reachedPlan } from "./words.js";
 
 const METRE_MM = 1000, CLOCK_MS = 1000;
 
@@ -48,7 +48,7 @@ export function planBar(app, work, history) {
     app.set({ stale: !fits && Boolean(work.plan) });
     if (wasSolving && !solving && !work.lost) {
       if (problem || work.state.conflict) work.say(inWords(problem) || tr("the rules contradict each other"), "bad");
-      else work.say(plannedText(work), work.plan?.ok ? "good" : "bad");
+      else work.say(reachedPlan(work.state.alternatives, work.state.shown), work.plan?.ok ? "good" : "bad");
     }
     wasSolving = Boolean(solving);
   });
@@ -108,10 +108,4 @@ function reachedText({ waits, ending, phase, gap, plan, gained_mm }, { planner, 
 function clockOf(solving) {
   solving.told_ms ??= performance.now();
   return `${Math.floor(solving.elapsed_s + (performance.now() - solving.told_ms) / 1000)} s`;
-}
-
-/** @type {(work: Work) => string} */
-function plannedText(work) {
-  const { figures } = work.plan ?? { figures: null }, number = work.state.shown;
-  return figures ? tr("plan {number}: idle {idle}, {proof}", { number, idle: metres(figures.idle_mm), proof: provenShort(figures) }) : "";
 }

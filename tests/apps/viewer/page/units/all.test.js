@@ -18,7 +18,7 @@ import { setLanguage, tr, trn } from "../page_files/say.js";
 import { inWords } from "../page_files/sentences.js";
 import { found } from "../page_files/search.js";
 import { countUpTo, momentAt, timelineOf, zonesOf } from "../page_files/timeline.js";
-import { clock, millimetres, proven, provenShort, stateClass, stateText } from "../page_files/words.js";
+import { clock, millimetres, proven, provenShort, reachedPlan, stateClass, stateText } from "../page_files/words.js";
 import { placeOn, wayOf } from "../page_files/way.js";
 import { Work } from "../page_files/work.js";
 import { zoneAreas } from "../page_files/zones.js";
@@ -440,4 +440,14 @@ test("what the server says in English comes in the reader's language, with its n
 test("the lead of a cut ends half a kerf from its entry", () => {
   assert.equal(joinOf([0, 0, 3, 0, 5, 0.75, 9, 0.75], [5, 0], 0.85), 2);
   assert.equal(joinOf([5, 0.75, 9, 0.75], [5, 0], 0.85), 0);
+});
+
+test("a plan that stays because the one made anew is dearer says so", () => {
+  const figures = { idle_mm: 4200, status: "feasible", gap: 0.02, light_gap: null };
+  const plans = [{ number: 1, run: 1, stage: "first", figures }, { number: 2, run: 1, stage: "better", figures }, { number: 3, run: 1, stage: "final", figures }];
+  const shown = /^plan [23]: idle 4\.200.m, gap 2(\.0)?.%$/;
+  assert.match(reachedPlan(plans, 3), shown);
+  assert.match(reachedPlan(plans, 2), /^plan 2: .*%; it stays: plan 3, made anew, is dearer$/);
+  assert.match(reachedPlan([...plans, { number: 4, run: 2, stage: "final", figures }], 3), shown);
+  assert.equal(reachedPlan([], 0), "");
 });
