@@ -8,7 +8,7 @@ import { onCanvas } from "./gestures.js";
 import { boxesNear, fromOutline, gapBetween, gapToEdge, inLine, inMetal, PartChanges, placed } from "./poses.js";
 import { figure, tr, trn } from "./say.js";
 
-const CHORD_MM = 0.1, GRIP_PX = 6, STEP_MM = 1, FAR_STEP_MM = 10, ROUND_MM = 100, LOOKED_MM = 60;
+const CHORD_MM = 0.1, GRIP_PX = 6, STEP_MM = 1, FAR_STEP_MM = 10, ROUND_MM = 100, LOOKED_MM = 60, LABEL_RIM_PX = 4;
 
 /** @type {Record<string, [number, number]>} */
 const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
@@ -349,7 +349,9 @@ class PartEditor {
     context.font = "700 13px system-ui, 'DejaVu Sans', sans-serif";
     context.textAlign = "center";
     context.textBaseline = "bottom";
-    write(context, bad ? tr("collision") : `${figure(nearest.gap.mm, 1)} mm`, (a[0] + b[0]) / 2, (a[1] + b[1]) / 2 - 4, colour, ink.halo);
+    const text = bad ? tr("collision") : `${figure(nearest.gap.mm, 1)} mm`, half = context.measureText(text).width / 2 + LABEL_RIM_PX;
+    const x = Math.max(half, Math.min(stage.size.wide - half, (a[0] + b[0]) / 2)); // whole on the drawing
+    write(context, text, x, (a[1] + b[1]) / 2 - 4, colour, ink.halo);
   }
 
   /** A part that was moved: where it was, dashed, and where it lies. */

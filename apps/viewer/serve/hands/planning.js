@@ -36,6 +36,8 @@ export function planBar(app, work, history) {
     const { solving, fits, problem, upto, shown, saved } = work.state, isSaved = saved?.number === shown;
     plan.hidden = Boolean(solving);
     plan.classList.toggle("primary", !fits);
+    plan.toggleAttribute("disabled", work.lost);
+    plan.title = work.lost ? tr("the connection is lost") : tr("plan what is wanted (Enter)");
     cancel.hidden = !solving;
     undo.toggleAttribute("disabled", !history.can(-1));
     redo.toggleAttribute("disabled", !history.can(1));

@@ -214,6 +214,7 @@ def test_a_lost_connection_is_said_and_the_page_goes_on(look: Look, planned: Tab
     at.open(planned)
     at.page.wait_for_selector("#hands-notices .lost")
     assert at.page.locator("#hands-save").is_disabled()
+    assert at.page.locator("#hands-plan").is_disabled()
     planned.edit({"lock": "C.outer last"})  # another tab goes on meanwhile
     at.page.unroute("**/api/events")
     at.page.wait_for_selector("#hands-notices .lost", state="detached")
