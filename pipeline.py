@@ -35,7 +35,7 @@ from kerfwise.jobs.resume import lock_broken_cut_first
 from kerfwise.jobs.time_limits import CommandLimit, JobLimit
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions
-from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
+from kerfwise.models.engines.tuning import LARGE_NEST as FEW
 from kerfwise.models.engines.tuning import UNZONED_SHARE as SHARE
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.explain.context import solved_context

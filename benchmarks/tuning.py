@@ -1,11 +1,12 @@
 """What each number of `models/engines/tuning.py` is worth: made half as large, and half as large again.
 
-Usage: python -m kerfwise.benchmarks.tuning [NAME …] [--work W] [--only PATTERN …] [--kept rows.json] > docs/tuning.md
+Usage: python -m kerfwise.benchmarks.tuning [NAME …] [--work W] [--only PATTERN …] [--kept rows.json [--so-far]]
+       > docs/tuning.md
 
 Made plates (examples/gen_sheet.py) under the default profile, with and without zones, and with lags of two cuts, are
 each solved within so much work (deterministic seconds, so that other programs change no figure); where kernels read a
 number, by a process of its own. A row of numbers is changed as a whole; a whole number stays one, and is 1 at the
-least. Rows that the file `--kept` has already are not made again.
+least. Rows that the file `--kept` has already are not made again; `--so-far` prints those and makes no others.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import json
 import shlex
 import subprocess
 import sys
+import textwrap
 import tokenize
 from collections.abc import Callable, Iterator
 from fnmatch import fnmatchcase
@@ -42,13 +44,14 @@ half as large again, and {count} problems were solved anew within {work:g} deter
 {rows}
 
 *cost* and *bound* are changes of their sum over all problems, in %: a positive cost is dearer, a positive bound better.
-*s* are processor seconds, where they change by more than a tenth; other programs on the machine have a part in those.
-Numbers that are not listed were not measured here.
+{measured} of {all} numbers were measured, and {same} of these change neither by {shown:g} % or more:
+{idle}.
 """
 PROBLEMS = ("zones 41 1", "zones 115 5", "free 41 1", "free 60 3", "free 115 5", "lags 16 1")
 WORK = 3.0
-SHOWN = 0.05
+SHOWN = 0.1
 """Changes of fewer % are not shown."""
+NONE = "–"
 CHILD = """\
 import json, sys
 from kerfwise.models.engines import tuning
@@ -146,8 +149,7 @@ def words(known: dict[str, float], now: dict[str, float]) -> str:
         return "ends in an error"
     share = {name: (now[name] / known[name] - 1) * 100 for name in known}
     parts = [f"{name} {share[name]:+.2f}%" for name in ("cost", "bound") if abs(share[name]) >= SHOWN]
-    parts += [f"s {share['s']:+.0f}%"] if abs(share["s"]) > 10 else []
-    return ", ".join(parts) or "–"
+    return ", ".join(parts) or NONE
 
 
 def main() -> int:
@@ -157,6 +159,7 @@ def main() -> int:
     arguments.add_argument("--work", type=float, default=WORK)
     arguments.add_argument("--only", nargs="+", default=list(PROBLEMS), metavar="PROBLEM")
     arguments.add_argument("--kept", type=Path)
+    arguments.add_argument("--so-far", action="store_true")
     given = arguments.parse_args()
     kept: dict[str, dict[str, float]] = {}
     if given.kept is not None and given.kept.exists():
@@ -169,21 +172,31 @@ def main() -> int:
                 given.kept.write_text(json.dumps(kept, indent=1), encoding="utf-8", newline="\n")
         return kept[label]
 
-    solve(given.only, 0.1)  # kernels are compiled, libraries loaded
-    known, rows = at("as they are", lambda: solve(given.only, given.work)), []
-    for name, value in numbers():
-        if not given.names or any(fnmatchcase(name, pattern) for pattern in given.names):
-            cells = []
-            for factor in (0.5, 1.5):
-                make = partial(measured, name, scaled(value, factor), given.only, given.work)
-                cells.append(words(known, at(f"{name} x {factor}", make)))
+    if not given.so_far:
+        solve(given.only, 0.1)  # kernels are compiled, libraries loaded
+    known, rows, idle = at("as they are", lambda: solve(given.only, given.work)), [], []
+    every = list(numbers())
+    for name, value in every:
+        chosen = not given.names or any(fnmatchcase(name, pattern) for pattern in given.names)
+        labels = {factor: f"{name} x {factor}" for factor in (0.5, 1.5)}
+        if not chosen or (given.so_far and not all(label in kept for label in labels.values())):
+            continue
+        cells = []
+        for factor, label in labels.items():
+            make = partial(measured, name, scaled(value, factor), given.only, given.work)
+            cells.append(words(known, at(label, make)))
+        if cells == [NONE, NONE]:
+            idle.append(f"`{name}`")
+        else:
             rows.append(f"| `{name}` | {value} | {' | '.join(cells)} |")
     only = "" if given.only == list(PROBLEMS) else f" --only {shlex.join(given.only)}"
     options = f" {shlex.join(given.names)}" * bool(given.names) + f" --work {given.work:g}{only}"
+    options += f" --kept {shlex.quote(given.kept.name)} --so-far" * given.so_far
     print(
         PAGE.format(
             given=options, kerfwise=kerfwise.__version__, count=len(given.only), work=given.work,
-            problems=", ".join(given.only), rows="\n".join(rows),
+            problems=", ".join(given.only), rows="\n".join(rows), measured=len(rows) + len(idle), all=len(every),
+            same=len(idle), shown=SHOWN, idle=textwrap.fill(", ".join(idle), 119),
         ),
         end="",
     )  # fmt: skip

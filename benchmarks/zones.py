@@ -35,8 +35,8 @@ from kerfwise.jobs.plan_without_zones import zoned_by
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.solve import solve
+from kerfwise.models.engines.tuning import LARGE_NEST as FEW
 from kerfwise.models.engines.tuning import LEAST_LOOK_S, LEAST_WORK, MOST_CONTOURS
-from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
 from kerfwise.models.engines.tuning import UNZONED_MOST_MOVES as MOST_MOVES
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM

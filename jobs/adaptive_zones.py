@@ -13,7 +13,7 @@ from kerfwise.models.engines import Member
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.tuning import A_CONTOUR, IN_VAIN, PROOF_CONTOURS, RUNG_CONTOURS, SEEDS_APART, TIMED_S
-from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
+from kerfwise.models.engines.tuning import LARGE_NEST as FEW
 from kerfwise.models.engines.tuning import UNZONED_LEAST as LEAST
 from kerfwise.models.engines.tuning import UNZONED_MOST_MOVES as MOST_MOVES
 from kerfwise.models.engines.tuning import UNZONED_SHARE as SHARE

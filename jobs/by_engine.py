@@ -12,7 +12,7 @@ from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines import Engine, Strategy
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions, Status
-from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
+from kerfwise.models.engines.tuning import LARGE_NEST as FEW
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem

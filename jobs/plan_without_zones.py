@@ -21,8 +21,8 @@ from kerfwise.models.engines.tuning import (
     MOST_CONTOURS,
     PROVEN_S,
 )
+from kerfwise.models.engines.tuning import LARGE_NEST as FEW
 from kerfwise.models.engines.tuning import UNZONED_DEARER as DEARER
-from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
 from kerfwise.models.engines.tuning import UNZONED_LEAST as LEAST
 from kerfwise.models.engines.tuning import UNZONED_MOST_MOVES as MOST_MOVES
 from kerfwise.models.engines.tuning import UNZONED_PROOF as PROOF

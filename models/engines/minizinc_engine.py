@@ -15,7 +15,7 @@ from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.files import is_there
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
-from kerfwise.models.engines.tuning import LISTENS_S, MOST_MOVES, NODES_PER_S
+from kerfwise.models.engines.tuning import MOST_MOVES, NODES_PER_S, POLL_S
 from kerfwise.rules.minizinc.installation import driver, solver_named, unusable
 from kerfwise.rules.profile.active_rules import ActiveRules
 from kerfwise.rules.statements import EXEMPTION_MM, Statement
@@ -137,7 +137,7 @@ async def _listened(instance: Instance, limit_s: float, progress: Progress | Non
             heard.nodes = max(heard.nodes, int(result.statistics.get("nodes", 0)))
 
     solving = asyncio.create_task(listen())
-    while not (await asyncio.wait({solving}, timeout=LISTENS_S))[0]:
+    while not (await asyncio.wait({solving}, timeout=POLL_S))[0]:
         if progress is not None and not progress("minizinc", None, None):
             heard.interrupted = True
             solving.cancel()

@@ -129,7 +129,7 @@ def count_sets(run: Run) -> None:
         return run.deadline("ideals", None, None)
 
     most = tuning.COUNTED_FEW if run.problem.n <= tuning.PORTFOLIO_LONGEST else tuning.COUNTED
-    alone = run.options.member is not None and run.problem.n > tuning.COUNTED_ALONE_CONTOURS
+    alone = run.options.member is not None and run.problem.n > tuning.LARGE_NEST
     many_s = tuning.COUNTED_DENSE_S if dense(run.problem) else tuning.COUNTED_S
     most *= min(1.0, run.left() / (tuning.COUNTED_ALONE_S if alone else many_s))
     run.count = ideals.count_sets(run.of_sets, most, going)

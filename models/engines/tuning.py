@@ -16,8 +16,8 @@ WARM_SHARE = 0.25
 COMPLETION_ADDITIONS_PER_S = 6e8  # by one core
 COMPLETION_MOST_NEIGHBOURS = 7  # contours that a walk remembers: each doubles the tables, and shortens fewer cycles
 MOST_NUMBERS = 60_000_000  # Of all tables together.
-COMPLETION_SHARE, COMPLETION_BYTES_A_NUMBER = 0.3, 8
-"""Share of the bytes given that the tables may take; a sweep with its own follows."""
+COMPLETION_SHARE = 0.3  # Share of the bytes given that the tables may take; a sweep with its own follows.
+BYTES_A_NUMBER = 8  # Of tables of walks, here and by stretches.
 COMPLETION_PATIENCE = 8  # Rounds without a better bound after which the steps become shorter.
 COMPLETION_SHORTEST = 0.002  # Steps below which no more rounds are worth it.
 WORTH_SHARING = 2e5  # Additions at a place from which on other threads are worth waking.
@@ -61,7 +61,7 @@ MADE_PER_S = 1e7  # Moves whose costs are worked out, and that are gone through 
 
 # bounds/move_costs.py
 
-MOVE_COSTS_ROWS = 100  # Sites from which all moves are worked out at once.
+MOVE_ROWS = 128  # Sites whose moves are worked out, and gone through, at once.
 MOST_INNER = 6  # Contours before the last one of a block, at the most: all their sets are gone through.
 
 # bounds/network.py
@@ -70,9 +70,8 @@ MOST_SPLIT = 2  # Conditions of a site that are paid for by a site of their own,
 NETWORK_NEAREST = 3  # Moves from and to every site that are looked at from the start.
 MORE, MORE_EACH = 8000, 30
 """Moves that are added at once at the most, or so many for every contour, where those are more."""
-NETWORK_ENOUGH, ENOUGH_OF_PLAN = 1.0, 1e-6
-"""A move that would make the program cheaper by no more than this, or this share of the plan, is not missing."""
-NETWORK_ROWS = 128  # Sites whose moves are gone through at once.
+ENOUGH_OF_PLAN = 1e-6
+"""A move that would make the program cheaper by no more than this share of the plan, or `DEAR_UM`, is not missing."""
 
 # bounds/reduced_costs.py
 
@@ -96,7 +95,7 @@ SEPARATION_LITTLE = 0.05  # What may be missing of a flow without a cut.
 # cpsat/model.py
 
 MODEL_MOST_CONTOURS = 3_000  # With more the model takes too long to be made.
-POLL_S = 0.1  # between two looks, by the clock, at whether CP-SAT is to go on
+POLL_S = 0.1  # between two looks, by the clock, at whether CP-SAT, or MiniZinc, is to go on
 
 # cpsat/variables.py
 
@@ -150,8 +149,9 @@ OVERDRAWN_S = 0.5
 been solved: one round of each stretch at the least, which takes long where stretches are large."""
 AS_GOOD_AS_IT_GETS = 0.8  # A bound that took no more than this of its share will not become better with more.
 MOST_SITES_PRICED = 1000  # Sites of a stretch: its linear program takes too long with more.
-MOST_CONTOURS_PRICED = 2500
-"""Contours up to which they are made: at 10,000 they take 0.7 GB, and nothing is left of small work for them."""
+LARGE_NEST = 2500
+"""Contours beyond which a proof by zones is all there is time for: no linear programs of stretches are made (at 10,000
+they take 0.7 GB), a sweep alone counts its sets for longer, and a plan without zones has what the proofs leave."""
 PROVE_MOST_SITES, MOST_SITES_BOUND = 4000, 1500
 """Sites of a stretch: with more the table of moves is too large; sites altogether: the bound takes too long."""
 FIRST_WIDTH, PROVE_WIDENED = 256, 2
@@ -174,7 +174,7 @@ SHARE_KEPT = 0.7
 
 # ideals/stretches/stretch_bounds.py
 
-STRETCH_MOST_NEIGHBOURS, STRETCH_SHARE, STRETCH_BYTES_A_NUMBER = 6, 0.25, 8
+STRETCH_MOST_NEIGHBOURS, STRETCH_SHARE = 6, 0.25
 """What a walk remembers at the most, and the share of the bytes given that the tables of all stretches may take."""
 SHARES = 0.25, 0.5, 0.75, 1.0
 """Shares of what a known plan misses in a stretch, within which the cheapest way through it is looked for."""
@@ -197,7 +197,6 @@ PIECE = 1 << 23  # Numbers in a piece, 64 MB: a piece is far larger than what an
 NODES_PER_S = 100_000  # Search nodes that count as a second of deterministic work.
 MOST_MOVES = 1_000_000
 """Moves between the ways to cut that a model is written for; tables of them grow with every part besides."""
-LISTENS_S = 0.1  # between two looks, by the clock, at whether MiniZinc is to go on
 
 # search/anneal.py
 
@@ -257,7 +256,7 @@ ROUTE_STATE_NEAR = 16  # neighbours of a contour that moves look at
 # search/searcher.py
 
 WORK_PER_S = 450_000_000  # elementary operations that a second of work stands for
-CHUNK = 20_000_000  # operations between two looks at the clock and at whether to stop
+CHUNK = 20_000_000  # operations between two looks at the clock and at whether to stop, of regions, too
 WALKERS = 2  # a thread each: as many as a usual machine has at the least
 SEARCHER_FIRST = 0.25  # share of the first run that may go into the descent from the first route, and
 FIRST_DESCENT = 200_000  # the most operations a contour
@@ -272,7 +271,6 @@ SEARCHER_FEW, HOTTER = 30, 4.0  # contours up to which annealings are hotter, an
 LONGER = 1.5  # how much longer than those before it is, or there is none: the rest is better spent on regions
 LEAST_CONTOURS = 150  # Contours from which on a route is searched by regions.
 LARGEST_BLOCK = 40  # Contours that must follow each other, at the most: they are free together.
-REGION_CHUNK = 20_000_000  # Operations between two looks at the clock.
 SEARCHER_COLD = 0.05  # The last temperature, as a share of the same.
 SETTING_UP, PER_SITE, PER_MOVE = 2_000_000, 1_000, 8
 """Operations that it takes as long as to make a region's problem, and for each site of the whole, and for each move
@@ -345,9 +343,9 @@ SURE = 0.4  # Share of what is left that a sweep over all sets may take so that 
 COUNTED, COUNTED_FEW = 2e7, 5e6
 """Entries that are counted beforehand at the most, where there are `COUNTED_S` seconds or more; and where contours are
 so few that a bound is tried anyway."""
-COUNTED_S, COUNTED_DENSE_S, COUNTED_ALONE_S, COUNTED_ALONE_CONTOURS = 15.0, 5.0, 2.5, 2500
+COUNTED_S, COUNTED_DENSE_S, COUNTED_ALONE_S = 15.0, 5.0, 2.5
 """The second where orders are dense, and sets often few enough; the third where nothing but a sweep is asked for,
-beyond so many contours: there most of the work is a sweep's."""
+beyond `LARGE_NEST`: there most of the work is a sweep's."""
 PREVIEW_WORK, PREVIEW_MOST_CONTOURS, PREVIEW_AFTER_ENTRIES = 0.05, 200, 3_000_000
 """Work of a preview while sets are counted, contours up to which it takes less than a second, and entries that are
 counted before, in less than a second: a plan is shown while many are counted, and where they are few the search need
@@ -407,8 +405,7 @@ UNZONED_SHARE = 0.15
 """Share of a limit in which a plan without zones is looked for, at the most: of one in seconds, of which it is left so
 much, or of the work, beside it. As much again is there for a plan by other zones, and what the first plan has left."""
 UNZONED_LEAST, A_CONTOUR = 0.5, 0.01  # Work that it takes at the least, and for every contour.
-UNZONED_FEW, MOST_CONTOURS = 2500, 12_000
-"""Contours up to which that share is all it has, and up to which it is looked for."""
+MOST_CONTOURS = 12_000  # Contours up to which it is looked for.
 LEAST_WORK, LEAST_LOOK_S, PROVEN_S = 1e-4, 1e-3, 1e-3
 """Work, and seconds by the clock, for every contour of a larger nest, with less of which a look is not begun there; and
 seconds that other zones have beside `STATED`, at the least, where there is time for them at all."""

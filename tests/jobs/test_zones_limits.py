@@ -25,8 +25,8 @@ from kerfwise.jobs.plan_without_zones import Free, is_look_worthwhile, look_for
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.solve import solve
+from kerfwise.models.engines.tuning import LARGE_NEST as FEW
 from kerfwise.models.engines.tuning import MOST_CONTOURS
-from kerfwise.models.engines.tuning import UNZONED_FEW as FEW
 from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile

@@ -19,13 +19,12 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats, Int16s, Ints
 from kerfwise.models.engines.deadline import Deadline
+from kerfwise.models.engines.tuning import BYTES_A_NUMBER, INERTIA, MOST_NUMBERS, WORTH_SHARING
 from kerfwise.models.engines.tuning import COMPLETION_ADDITIONS_PER_S as ADDITIONS_PER_S
-from kerfwise.models.engines.tuning import COMPLETION_BYTES_A_NUMBER as BYTES_A_NUMBER
 from kerfwise.models.engines.tuning import COMPLETION_MOST_NEIGHBOURS as MOST_NEIGHBOURS
 from kerfwise.models.engines.tuning import COMPLETION_PATIENCE as PATIENCE
 from kerfwise.models.engines.tuning import COMPLETION_SHARE as SHARE
 from kerfwise.models.engines.tuning import COMPLETION_SHORTEST as SHORTEST
-from kerfwise.models.engines.tuning import INERTIA, MOST_NUMBERS, WORTH_SHARING
 from kerfwise.models.jit import KERNEL, cores, jit
 from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.problem import Problem

@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix
 from kerfwise.arrays import Bools, Floats, Int32s, Ints
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.tuning import MOST_INNER
-from kerfwise.models.engines.tuning import MOVE_COSTS_ROWS as ROWS
+from kerfwise.models.engines.tuning import MOVE_ROWS as ROWS
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.moves import LAWFUL_MOST

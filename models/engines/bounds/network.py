@@ -11,10 +11,10 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.models.engines.tuning import DEAR_UM as ENOUGH
 from kerfwise.models.engines.tuning import ENOUGH_OF_PLAN, MORE, MORE_EACH, MOST_SPLIT
-from kerfwise.models.engines.tuning import NETWORK_ENOUGH as ENOUGH
+from kerfwise.models.engines.tuning import MOVE_ROWS as ROWS
 from kerfwise.models.engines.tuning import NETWORK_NEAREST as NEAREST
-from kerfwise.models.engines.tuning import NETWORK_ROWS as ROWS
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.crossings import Crossings
 from kerfwise.models.problem.moves import MovePrices

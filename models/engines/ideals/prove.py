@@ -36,7 +36,7 @@ from kerfwise.models.engines.tuning import (
     BACKWARD,
     BOUND,
     FIRST_WIDTH,
-    MOST_CONTOURS_PRICED,
+    LARGE_NEST,
     MOST_SITES_BOUND,
     MOST_SITES_PRICED,
     OVERDRAWN_S,
@@ -94,7 +94,7 @@ def priceable(problem: Problem) -> bool:
     """Whether linear programs of all stretches hold all that is asked: no groups cost, and crossings have one price."""
     if unfit(problem) or problem.soft_groups or problem.general or not one_price(problem):
         return False
-    return problem.n <= MOST_CONTOURS_PRICED and max(sites for _, sites in _sizes(problem)) <= MOST_SITES_PRICED
+    return problem.n <= LARGE_NEST and max(sites for _, sites in _sizes(problem)) <= MOST_SITES_PRICED
 
 
 def sets_out(problem: Problem, work: float) -> bool:

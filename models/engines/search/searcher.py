@@ -31,7 +31,6 @@ from kerfwise.models.engines.tuning import (
     NEIGHBOURS,
     PER_MOVE,
     PER_SITE,
-    REGION_CHUNK,
     REGIONS,
     SEEDS_APART,
     SETTING_UP,
@@ -399,7 +398,7 @@ class Regions:
         travel_um = self._nearby.travel_um
         done, fall = 0, COLD / stage.hot
         while done < operations and running_s() < ends_s:
-            ahead = min(operations, done + REGION_CHUNK)
+            ahead = min(operations, done + CHUNK)
             heats = (stage.hot * travel_um * fall ** (at / operations) for at in (done, ahead))
             walker.go(ahead - done, *heats)
             done = ahead

@@ -17,8 +17,17 @@ from kerfwise.models.engines import bounds
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals.lattice import SweptStretch, TooLarge, sweep_layers
 from kerfwise.models.engines.ideals.stretch import ConditionsByContour, Local, RestBound, chain_orders, localise, series
-from kerfwise.models.engines.tuning import ENDS, FAR_OVER, LEAST_STEP, ONE_GO, PIECE, SHARES, SOON, TWICE
-from kerfwise.models.engines.tuning import STRETCH_BYTES_A_NUMBER as BYTES_A_NUMBER
+from kerfwise.models.engines.tuning import (
+    BYTES_A_NUMBER,
+    ENDS,
+    FAR_OVER,
+    LEAST_STEP,
+    ONE_GO,
+    PIECE,
+    SHARES,
+    SOON,
+    TWICE,
+)
 from kerfwise.models.engines.tuning import STRETCH_DEARER as DEARER
 from kerfwise.models.engines.tuning import STRETCH_FIRST as FIRST
 from kerfwise.models.engines.tuning import STRETCH_LITTLE as LITTLE

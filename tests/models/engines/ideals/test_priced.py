@@ -277,7 +277,7 @@ def test_where_groups_cost_or_crossings_have_several_prices_there_are_no_linear_
 
 def test_of_very_many_contours_there_are_no_linear_programs(monkeypatch: pytest.MonkeyPatch) -> None:
     given, _ = two_zones()
-    monkeypatch.setattr(PROVING, "MOST_CONTOURS_PRICED", given.n)
+    monkeypatch.setattr(PROVING, "LARGE_NEST", given.n)
     assert priceable(given)
-    monkeypatch.setattr(PROVING, "MOST_CONTOURS_PRICED", given.n - 1)
+    monkeypatch.setattr(PROVING, "LARGE_NEST", given.n - 1)
     assert not priceable(given)

@@ -187,7 +187,7 @@ def test_no_region_takes_much_more_than_what_is_left(monkeypatch: pytest.MonkeyP
 
 def test_a_region_is_left_when_the_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(searcher, "STAGES", (Stage(inf, 12, 10**15, 2.0),))
-    monkeypatch.setattr(searcher, "REGION_CHUNK", 100_000)
+    monkeypatch.setattr(searcher, "CHUNK", 100_000)
     problem = plate(6)
     search = Searcher(problem, 1)
     search.run(Deadline(0.001))
