@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,9 +14,11 @@ from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions, Status
 from kerfwise.models.engines.tuning import LARGE_NEST as FEW
 from kerfwise.models.jit import running_s
+from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost
+from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Statement
 from kerfwise.rules.stating.lazy_statements import lazy_statements, look_takes_s
@@ -107,7 +109,7 @@ def solve_by(
         from kerfwise.models.engines.baselines import solve_by as solve_plainly
 
         found_plainly = solve_plainly(method.strategy, facts, profile, stated.statements, limits, progress)
-        return _priced(found_plainly, facts, profile, stated.statements, limits)
+        return _priced(found_plainly, facts, profile, stated.statements)
     if method.engine == "minizinc":
         from kerfwise.models.engines.minizinc_engine import solve_minizinc
 
@@ -122,13 +124,18 @@ def solve_by(
     return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s, found=found)
 
 
-def _priced(
-    solution: Solution, facts: Facts, profile: Profile, statements: tuple[Statement, ...], limits: SolveOptions
-) -> Solution:
+def by_all_rules(
+    route: Sequence[int], facts: Facts, profile: Profile, statements: Sequence[Statement]
+) -> tuple[Problem, list[int]]:
+    """The problem that a route is priced by, with all that geometry finds missing of its order, and its sites there."""
+    seen = lazy_statements(facts, profile)([facts.candidates[c].contour for c in route])
+    problem = make_problem(facts, (*statements, *seen), profile.home_on(facts.nest), feeds_of(profile))
+    return problem, problem.candidate_site[list(route)].tolist()
+
+
+def _priced(solution: Solution, facts: Facts, profile: Profile, statements: tuple[Statement, ...]) -> Solution:
     """The solution at its price under all rules, of which a plain strategy does not look at the soft ones."""
-    seen = lazy_statements(facts, profile)([facts.candidates[c].contour for c in solution.route])
-    problem = make_problem(facts, (*statements, *seen), limits.home_mm, limits.feeds)
-    cost_mm = route_cost(problem, problem.candidate_site[list(solution.route)].tolist()) / UM_PER_MM
+    cost_mm = route_cost(*by_all_rules(solution.route, facts, profile, statements)) / UM_PER_MM
     status: Status = "optimal" if solution.bound is not None and cost_mm <= solution.bound else "feasible"
     return replace(solution, objective=cost_mm, status=status, problem=None)
 

@@ -34,9 +34,9 @@ from kerfwise.postproc.nc.program import write_program
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import TemperatureLimit
 from kerfwise.rules.statements import About, Lag, NoGood, Statement
-from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated
 
+from .by_engine import by_all_rules
 from .cooler_orders import CoolerOrders, SimulatedOrders
 from .request import Request
 from .simulation import path_of_plan, path_of_program
@@ -99,10 +99,7 @@ def solve_priced(
         return solutions[-1].route
 
     def judge(route: Sequence[int]) -> float | None:
-        order = [facts.candidates[c].contour for c in route]
-        rules = (*stated.statements, *lazy_statements(facts, profile)(order))
-        problem = make_problem(facts, rules, profile.home_on(facts.nest), feeds_of(profile))
-        sites = problem.candidate_site[list(route)].tolist()
+        problem, sites = by_all_rules(route, facts, profile, stated.statements)
         return None if broken(problem, sites) else route_cost(problem, sites) / UM_PER_MM
 
     found = orders.find(price_mm, planner, judge, going, limits.seed)
@@ -260,11 +257,7 @@ class Cooler:
 
     def _proven(self, best: Solution, first: Solution) -> Solution:
         """The solution at the price of the rules alone, with what is proven of them: further demands prove nothing."""
-        facts = self.facts
-        order = [facts.candidates[c].contour for c in best.route]
-        rules = (*self.statements, *lazy_statements(facts, self.profile)(order))
-        problem = make_problem(facts, rules, self.profile.home_on(facts.nest), feeds_of(self.profile))
-        cost_mm = route_cost(problem, problem.candidate_site[list(best.route)].tolist()) / UM_PER_MM
+        cost_mm = route_cost(*by_all_rules(best.route, self.facts, self.profile, self.statements)) / UM_PER_MM
         bound = None if first.bound is None else min(first.bound, cost_mm)
         optimal = bound is not None and cost_mm <= bound
         return replace(
