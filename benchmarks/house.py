@@ -6,7 +6,8 @@ Read by `ast`, whatever modules are called. Product files are all Python files b
 examples; the core is all of them but those of `apps`. A circle counts imports within functions and those for types too.
 With `--solve` one nest of 16 contours is planned in a process of its own, and the files and functions of kerfwise that
 it runs through are counted (those compiled by numba are not). Test files that import nothing of kerfwise but its
-interface (`kerfwise`, `cli`, `rule_kit`) and other files of the tests can stay as they are where rooms move.
+interface (`kerfwise`, `cli`, `rule_kit`) and other files of the tests can stay as they are where rooms move. Words of
+prose are those of README, CONTRIBUTING and docs, without code, tables, and the reference that is made of the code.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 import argparse
 import ast
 import os
+import re
 import statistics
 import subprocess
 import sys
@@ -24,6 +26,9 @@ from pathlib import Path
 
 ASIDE = {"tests", "benchmarks", "examples", "docs", "build", "dist"}
 APPS = "apps"
+PAGES = ("README.md", "CONTRIBUTING.md")
+REFERENCE = {"api.md", "flattened.md", "profile.md", "rule-kit.md", "rules.md"}
+"""Pages that commands make of the code."""
 INTERFACE = {"kerfwise", "kerfwise.cli", "kerfwise.rule_kit", "kerfwise.api"}
 LARGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS, MOST_IMPORTERS = 500, 60, 8, 60
 NEST = Path(__file__).parents[1] / "examples" / "nests" / "e1x_6.json"
@@ -72,7 +77,7 @@ def main() -> None:
     arguments.add_argument("--solve", action="store_true", help="plan a nest, and count what it runs through")
     given = arguments.parse_args()
     root = given.root.resolve()
-    rows = [*figures(read(root)), *test_figures(root)]
+    rows = [*figures(read(root)), *test_figures(root), *prose_figures(root)]
     rows += [("a solve of 16 contours: files, functions", ", ".join(traced(root)), [])] if given.solve else []
     for title, figure, names in rows:
         print(f"{title:52}{figure:>10}")
@@ -140,6 +145,21 @@ def test_figures(root: Path) -> Iterator[tuple[str, str, list[str]]]:
             f"{len(paths) - len(outside)}",
             [],
         )
+
+
+def prose_figures(root: Path) -> Iterator[tuple[str, str, list[str]]]:
+    """Words of prose in README, CONTRIBUTING and docs: without code, tables and the pages that are made of the code."""
+    words = {path.name: _prose(path.read_text(encoding="utf-8")) for path in (root / "docs").glob("*.md")}
+    words |= {name: _prose((root / name).read_text(encoding="utf-8")) for name in PAGES if (root / name).exists()}
+    pages = sorted(set(words) - REFERENCE, key=lambda name: (-words[name], name))
+    if pages:
+        named = [f"{name}: {words[name]:,}" for name in pages]
+        yield f"words of prose on {len(pages)} pages", f"{sum(words[name] for name in pages):,}", named
+
+
+def _prose(text: str) -> int:
+    rows = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE).splitlines()
+    return sum(len(row.split()) for row in rows if not row.lstrip().startswith("|"))
 
 
 def _imports(node: ast.AST) -> bool:

@@ -263,9 +263,9 @@ def command(
     of_plan = options_for(inputs.nest, inputs.profile, **limits)
     beside = DrawnBeside(inputs.nest, outputs.suffix, inputs.profile.home_on(inputs.nest))
     beside = click.get_current_context().with_resource(beside)
-    drawn = () if outputs.suffix is None else (outputs.suffix,)
-    time_s = limits["time_s"]
-    whole = None if time_s is None else CommandLimit(time_s, began_s, drawn, beside=beside.draws)
+    whole = None
+    if (time_s := limits["time_s"]) is not None:
+        whole = CommandLimit(time_s, began_s, filter(None, [outputs.suffix]), beside=beside.draws)
     listener = ProgressLine()
     orders, foretold = _distortion(inputs)
     if limits["engine"] in ("portfolio", "search"):

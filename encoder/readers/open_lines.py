@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 import shapely
@@ -64,7 +65,6 @@ def decide_open_lines(
     stated = [told_apart.stated(c) for c in chains]
     whole = [not broken for broken in _maybe_broken(chains, options)]
     metal_mm = _in_metal(chains, parts)
-    slack_mm = options.join_tolerance_mm
     closed = Counter(r.layer for r in rings)
     outlines = shapely.STRtree([r.curve.line() for r in rings])
     repaired = [
@@ -79,40 +79,43 @@ def decide_open_lines(
     if closing:
         return OpenLineDecision((), (), tuple(closing))
     answers |= dict.fromkeys(closed_layers, "open")
-    dropped: list[DrawnCurve] = []
-    marked: list[DrawnCurve] = []
-    in_waste: list[DrawnCurve] = []
-    ignored: list[DrawnCurve] = []
-    answered: list[DrawnCurve] = []
-    left: list[DrawnCurve] = []
-    for chain, is_stated, is_whole, inside_mm, gone in zip(chains, stated, whole, metal_mm, repaired, strict=True):
-        answer = answers.get(chain.layer, "")
-        if gone and answer in ("", "open"):
-            dropped.append(chain)
-        elif answer in ("open:ignore", "ignore"):
-            answered.append(chain)
-        elif answer:
-            (in_waste if inside_mm <= slack_mm else marked).append(chain)
-        elif not (is_stated and is_whole) or options.open_lines == "refuse":
-            left.append(chain)
-        elif options.open_lines == "ignore":
-            ignored.append(chain)
-        elif inside_mm >= chain.curve.length_mm - slack_mm:
-            marked.append(chain)
-        else:
-            (in_waste if inside_mm <= slack_mm else left).append(chain)
-    if left:
+    fates: dict[str, list[DrawnCurve]] = {fate: [] for fate in get_args(_Fate)}
+    every = _Lines(chains, stated, whole, metal_mm)
+    for k, chain in enumerate(chains):
+        fates[_fate(every, k, repaired[k], answers.get(chain.layer, ""), options)].append(chain)
+    if left := fates["left"]:
         which = "1 line does" if len(left) == 1 else f"{len(left)} lines do"
         cut = {p.layer for p in (*rings, *chains)}
         details = (*_by_layer(left, closed, cut, options, told_apart), *open_end_problems(left, options))
         raise OpenLines(f"{which} not close to contours", left, details, parts, sheet)
-    notes = [Note("repaired", f"the open line {ends(c)} is left out: it does not close") for c in dropped]
+    notes = [Note("repaired", f"the open line {ends(c)} is left out: it does not close") for c in fates["dropped"]]
     cut_and = "though the layer is cut, and therefore"
-    notes += _told(marked, f"{cut_and} marked, not cut (drawing.open_lines)")
-    notes += _told(ignored, f"{cut_and} left out (drawing.open_lines)")
-    notes += _told(answered, "left out, as answered")
-    notes += _told(in_waste, f"{cut_and} left out, for it lies in no part")
-    return OpenLineDecision(tuple(marked), (*crumb_notes, *notes))
+    notes += _told(fates["marked"], f"{cut_and} marked, not cut (drawing.open_lines)")
+    notes += _told(fates["ignored"], f"{cut_and} left out (drawing.open_lines)")
+    notes += _told(fates["answered"], "left out, as answered")
+    notes += _told(fates["in waste"], f"{cut_and} left out, for it lies in no part")
+    return OpenLineDecision(tuple(fates["marked"]), (*crumb_notes, *notes))
+
+
+_Fate = Literal["dropped", "marked", "in waste", "ignored", "answered", "left"]
+
+
+def _fate(lines: _Lines, k: int, repaired: bool, answer: str, options: ReadOptions) -> _Fate:
+    """What becomes of line `k`: marked, left out for one of four reasons, or left, as nobody can tell."""
+    inside_mm, slack_mm = lines.metal_mm[k], options.join_tolerance_mm
+    if repaired and answer in ("", "open"):
+        return "dropped"
+    if answer in ("open:ignore", "ignore"):
+        return "answered"
+    if answer:
+        return "in waste" if inside_mm <= slack_mm else "marked"
+    if not (lines.stated[k] and lines.whole[k]) or options.open_lines == "refuse":
+        return "left"
+    if options.open_lines == "ignore":
+        return "ignored"
+    if inside_mm >= lines.chains[k].curve.length_mm - slack_mm:
+        return "marked"
+    return "in waste" if inside_mm <= slack_mm else "left"
 
 
 @dataclass(frozen=True, slots=True)

@@ -283,29 +283,18 @@ def _judge_paths(
     skipped, allowed = frozenset(k for fault in [*faults, *opened] for k in fault.cuts), Allowed.by(profile)
     uncut = features_lost(runs, kerf_mm, skipped, slits_of_made(nest, cuts), tabs, before.lines, allowed)
     run_up = run_up_mm(nest, profile)
+    loose = [*cuts_in_loose_metal(nest, runs, kerf_mm, before.lines)]
+    loose += cuts_in_loose_skeleton(nest, runs, cut_contours, kerf_mm)
     long = [] if comments is None else long_leads(whole, profile, comments, run_up)
     judged = [
-        judgement(
-            "every-contour-once",
-            [
-                *coverage(nest, cuts, relaxed),
-                *opened,
-                *(f for f in faults if f.rule == "every-contour-once"),
-            ],
-        ),
+        judgement("every-contour-once", [*coverage(nest, cuts, relaxed), *opened, *_of("every-contour-once", faults)]),
         *([judgement("tabs", burnt_tabs(several))] if tabs else []),
         *([judgement("edge-loss", lost)] if nest.losses or lost else []),
         *([judgement("bridges", broken_bridges(nest, runs, kerf_mm))] if nest.bridges else []),
         *([judgement("pierce-pass", pierce_pass_violations(nest, cuts, profile))] if profile.cuts.pierce_pass else []),
         judgement("burnt-twice", burnt_twice(several, _overcut_mm(profile))),
         judgement("links", [*bad_links(runs, kerf_mm, profile.longest_link_mm), *long]),
-        judgement(
-            "loose-metal",
-            [
-                *cuts_in_loose_metal(nest, runs, kerf_mm, before.lines),
-                *cuts_in_loose_skeleton(nest, runs, cut_contours, kerf_mm),
-            ],
-        ),
+        judgement("loose-metal", loose),
         *(
             [judgement("scrap-pieces", wrong_pieces(nest, runs, cut_contours, profile))]
             if profile.cuts.scrap != Scrap()
@@ -313,10 +302,7 @@ def _judge_paths(
         ),
         judgement("small-holes", small_holes(judged_by, cuts, whole, profile)),
         judgement("contour-geometry", _of("contour-geometry", faults)),
-        judgement(
-            "features-kept",
-            [*uncut.lost, *misplaced(slots, cuts, kerf_mm)],
-        ),
+        judgement("features-kept", [*uncut.lost, *misplaced(slots, cuts, kerf_mm)]),
         judgement("kerf-side", _of("kerf-side", faults)),
         judgement("on-sheet", paths_off_sheet(nest, runs, kerf_mm, run_up)),
         judgement("edge-start", edge_starts(nest, whole, profile)),

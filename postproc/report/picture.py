@@ -177,36 +177,40 @@ def _drawn(
             pierce_layer(nest, view, cuts),
             home_layer(view, home),
         ]
-    kinds = {"pierce", "home", *(nest.contour(c.contour).kind for c in cuts)}
-    if begun:
-        kinds.add("stretch")
-    if plan is not None and any(one.tilt_deg for planned in plan.cuts for one in planned.passes):
-        kinds |= {"bevel", "below"}
-    if any(cut.tabs for cut in cuts):
-        kinds.add("tab")
+    kinds = _kinds(nest, plan, stretches=bool(begun))
+    if "tab" in kinds:
         layers.append(tab_layer(nest, view, cuts))
-    if plan is not None and any(planned.across for planned in plan.cuts):
-        kinds.add("across")
+    if plan is not None and "across" in kinds:
         layers.append(across_layer(view, plan.cuts))
-    if any(cut.torch > 1 for cut in cuts):
-        kinds.add("further")
-    if plan is not None and plan.pierces:
-        kinds.add("pass")
-    if nest.not_cut:
-        kinds.add("small")
-    torch = [c.pierce for c in cuts if nest.contour(c.contour).kind != "mark"]
-    if not all(shapely.intersects_xy(nest.sheet.polygon, *pierce) for pierce in torch):
-        kinds.add("edge")
-    if any(cut.span is not None and not cut.linked for cut in cuts):
-        kinds.add("kerf")
     numbers = number_layer(nest, view, places, order)
-    if out:
-        kinds.add("out")
     layers += [name_layer(nest, view, called), numbers] if called else [numbers]
-    if plan is not None and plan.waits:
-        kinds.add("wait")
+    if plan is not None and "wait" in kinds:
         layers.append(wait_layer(view, plan.cuts, list(places.values())))
-    return _Drawn(tuple(layers), clock, frozenset(kinds), numbers)
+    return _Drawn(tuple(layers), clock, kinds, numbers)
+
+
+def _kinds(nest: Nest, plan: Plan | None, stretches: bool) -> frozenset[str]:
+    """What the key has to tell; `stretches` says that some were begun before."""
+    planned = () if plan is None else plan.cuts
+    cuts = [one.cut for one in planned]
+    bevelled = any(one.tilt_deg for cut in planned for one in cut.passes)
+    pierced = [cut.pierce for cut in cuts if nest.contour(cut.contour).kind != "mark"]
+    there = {
+        "stretch": stretches,
+        "bevel": bevelled,
+        "below": bevelled,
+        "tab": any(cut.tabs for cut in cuts),
+        "across": any(one.across for one in planned),
+        "further": any(cut.torch > 1 for cut in cuts),
+        "pass": plan is not None and bool(plan.pierces),
+        "small": bool(nest.not_cut),
+        "edge": not all(shapely.intersects_xy(nest.sheet.polygon, *pierce) for pierce in pierced),
+        "kerf": any(cut.span is not None and not cut.linked for cut in cuts),
+        "out": plan is not None and bool(plan.already_cut),
+        "wait": plan is not None and bool(plan.waits),
+    }
+    kinds = {"pierce", "home", *(nest.contour(cut.contour).kind for cut in cuts)}
+    return frozenset(kinds | {name for name, is_there in there.items() if is_there})
 
 
 def _frame(nest: Nest, cuts: tuple[Cut, ...], home: Point, spot: Spot | None) -> tuple[View, shapely.Polygon | None]:

@@ -48,3 +48,17 @@ def test_lazy_and_typing_imports_make_a_circle_that_loading_does_not(tree: Path)
     assert told["files past 500 lines"] == ("0", [])
     assert told["functions with more than 8 parameters"] == ("1", ["product.apps.eight:g@1: 9"])
     assert [row[:2] for row in house.test_figures(tree)] == [("test files that speak through the interface, of 2", "1")]
+
+
+def test_words_of_prose_are_those_outside_code_tables_and_made_pages(tree: Path) -> None:
+    (tree / "docs").mkdir()
+    (tree / "README.md").write_text("# Two words\n\n| a | b |\n|---|---|\n")
+    (tree / "docs" / "page.md").write_text("Three more words\n\n```sh\nkerfwise solve\n```\n")
+    (tree / "docs" / "api.md").write_text("made of the code\n")
+    (row,) = house.prose_figures(tree)
+    assert row == ("words of prose on 2 pages", "6", ["README.md: 3", "page.md: 3"])
+
+
+def test_pages_have_at_most_60_000_words_of_prose() -> None:
+    ((_, words, _),) = house.prose_figures(Path(house.__file__).parents[1])
+    assert int(words.replace(",", "")) <= 60_000
