@@ -151,13 +151,14 @@ def solve(
         raise InputError(unknown("strategy", str(strategy), STRATEGIES))
     listener = Listener(on_progress)
     orders: OrdersOf | None = None
+    at_hand = None if start is None else plan_of(start)
     if inputs.profile.objective.distortion:
-        orders = app_module("distortion.straighter").straighter_for(inputs.profile)
+        orders = app_module("distortion.straighter").straighter_for(inputs.profile, at_hand)
     try:
         done = plan_nest(
             inputs,
             limits,
-            Method(engine, solver, strategy, None if start is None else plan_of(start), first, orders),
+            Method(engine, solver, strategy, at_hand, first, orders),
             Watchers(listener, notes.append),
             already=already_cut_by(inputs, resume_from, upto, redo_last, notes),
             relax=relax,

@@ -267,7 +267,7 @@ def command(
     if (time_s := limits["time_s"]) is not None:
         whole = CommandLimit(time_s, began_s, filter(None, [outputs.suffix]), beside=beside.draws)
     listener = ProgressLine()
-    orders, foretold = _distortion(inputs)
+    orders, foretold = _distortion(inputs, start)
     if limits["engine"] in ("portfolio", "search"):
         search_beside(len(inputs.nest.contours))
     try:
@@ -327,11 +327,11 @@ def _finish(
     return 0
 
 
-def _distortion(inputs: Inputs) -> tuple[OrdersOf | None, bool]:
+def _distortion(inputs: Inputs, start: Plan | None) -> tuple[OrdersOf | None, bool]:
     """What finds straighter orders, if there is a price on distortion, and whether the parts' errors are asked for."""
     options, price = inputs.profile.distortion, inputs.profile.objective.distortion
     common = options.predict or bool(price) or options.tolerance_mm is not None
     if not common and not any("tolerance" in part.attributes for part in inputs.nest.parts):
         return None, False
-    orders: OrdersOf | None = app_module("distortion.straighter").orders_for(inputs)
+    orders: OrdersOf | None = app_module("distortion.straighter").orders_for(inputs, start)
     return orders, True

@@ -123,7 +123,7 @@ def plan_at_hand(
         kept, aside = without_moves(stated.statements)
         stated = replace(stated, statements=tuple(kept))
     problem = make_problem(facts, stated.statements, limits.home_mm, limits.feeds)
-    sites = problem.candidate_site[[_nearest(facts, cut) for cut in cuts]]
+    sites = problem.candidate_site[[nearest_way(facts, cut) for cut in cuts]]
     wanted, places = _known(sites, problem.site_contour), _places(profile, facts)
     setting = context_along(facts, profile, stated, problem, ())
     for order in _orders(problem, wanted, places):
@@ -203,7 +203,7 @@ def zones_of(facts: Facts, cuts: Sequence[Cut]) -> Ints:
     return np.unique(zone, return_inverse=True)[1].ravel().astype(np.int64) + 1
 
 
-def _nearest(facts: Facts, cut: Cut) -> int:
+def nearest_way(facts: Facts, cut: Cut) -> int:
     """The candidate that is most like a cut: the same way round, and as near as there is."""
     contour = facts.nest.index[cut.contour]
     numbers = range(int(facts.first[contour]), int(facts.first[contour + 1]))

@@ -37,12 +37,16 @@ LEAST_POINTS = 10
 
 @dataclass(frozen=True, slots=True)
 class Cutting:
-    """How a sheet is simulated: width of a cell, mm, width of the kerf, mm, thickness, mm; whether metal yields."""
+    """How a sheet is simulated: width of a cell, mm, width of the kerf, mm, thickness, mm; whether metal yields.
+
+    Errors are asked for at so many times as many points as usual.
+    """
 
     grid_mm: float
     kerf_mm: float
     thickness_mm: float
     yields: bool = True
+    points: int = 1
 
 
 def cutting_of(material: Material, grid_mm: float, yields: bool = True) -> Cutting:
@@ -202,7 +206,7 @@ def _asked(nest: Nest, path: TimedPath, how: Cutting) -> Floats:
         mine = np.flatnonzero(line == number)
         mine = mine[np.argsort(fine.at_s[sample[mine]], kind="stable")]
         run = np.cumsum(fine.length_mm[sample[mine]])
-        for k, length_mm in _evenly(run, lines[number].length, lines[number].is_closed):
+        for k, length_mm in _evenly(run, lines[number], how.points):
             rows.append((number, float(along[mine[k]]), float(fine.at_s[sample[mine[k]]]), length_mm))
     found = np.array(sorted(rows, key=lambda row: row[2])).reshape(-1, 4)
     numbers = found[:, 0].astype(np.int64)
@@ -211,13 +215,15 @@ def _asked(nest: Nest, path: TimedPath, how: Cutting) -> Floats:
     return np.column_stack([np.array(shaping, dtype=np.int64)[numbers], xy, found[:, 2:]])
 
 
-def _evenly(run_mm: Floats, length_mm: float, closed: bool) -> Iterator[tuple[int, float]]:
+def _evenly(run_mm: Floats, line: shapely.LineString, times: int) -> Iterator[tuple[int, float]]:
     """The samples (k,) in the middle of equal stretches of the way along a contour, and how long the stretches are.
 
     `run_mm` is the way at each. From where the torch came on: how far it is from coming round decides how the metal
     moves. Where it overruns its start nothing is cut any more.
     """
-    count = max(LEAST_POINTS, int(np.ceil(length_mm / SPACING_MM))) if closed else max(2, int(length_mm / SPACING_MM))
+    length_mm = line.length
+    usual = length_mm / SPACING_MM
+    count = times * (max(LEAST_POINTS, int(np.ceil(usual))) if line.is_closed else max(2, int(usual)))
     middles = (np.arange(count) + 0.5) * length_mm / count
     at = np.searchsorted(run_mm, middles)
     for k in np.unique(at[at < len(run_mm)]):

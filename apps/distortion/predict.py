@@ -27,6 +27,7 @@ from kerfwise.models.physics.heat.simulate import expect_short
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.plant_sections import Heat
 
+from .compensation import Compensated, Kind, compensated, size_lines
 from .cutting import Cutting, Followed, cell_mm, cut_sheet, cutting_of
 from .part_errors import PartError, errors_of
 from .picture import draw_parts, exaggeration, off_along
@@ -73,6 +74,16 @@ class Distortion:
         """The mean over the parts of what each is off at its worst place, mm."""
         known = [p.max_mm for p in self.parts if p.max_mm is not None]
         return sum(known) / len(known) if known else 0.0
+
+    def compensated(self, kind: Kind = "size") -> Compensated:
+        """The nest with its parts drawn so that, cut by this plan, they come out as wanted: in size, or in shape too.
+
+        Raises
+        ------
+        InputError
+            If a part would be changed by more than any cut does, or there is no room for what is larger.
+        """
+        return compensated(self.nest, self.parts, kind, self.how.kerf_mm)
 
     def as_json(self) -> dict[str, Any]:
         """What `kerfwise distort --json` prints."""
@@ -128,6 +139,7 @@ class Distortion:
             f"{'worst':10} {self.max_mm:.2f} mm",
             f"{'mean':10} {self.mean_mm:.2f} mm, of the worst place of each part",
         ]
+        lines += size_lines(self.nest, self.parts)
         known = sorted((p for p in self.parts if p.max_mm is not None), key=lambda p: (-(p.max_mm or 0.0), p.part))
         width = max([4, *(len(p.part) for p in known[:_SHOWN])])
         lines += ["", f"{'part':{width}} {'worst, mm':>10} {'mean, mm':>9}   where"]

@@ -12,6 +12,7 @@ import math
 import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -21,10 +22,12 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.jobs.by_engine import OrdersOf
 from kerfwise.jobs.cooler_orders import BestSimulated, Judge, MayGoOn, Planner, Route
-from kerfwise.jobs.inputs import Inputs, expect_one_torch
+from kerfwise.jobs.first_plan import nearest_way
+from kerfwise.jobs.inputs import Inputs, expect_one_torch, of_first_torch
 from kerfwise.models.engines.lawful_walk import route_like
 from kerfwise.models.physics.heat.timed_path import RoutePaths, TorchOn
 from kerfwise.models.physics.time_and_cost import feeds_of
+from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.rules.profile.profile import Profile
@@ -72,13 +75,15 @@ class StraighterOrders:
         Of the nest, and its rules.
     profile
         Machine, material and heat.
+    start
+        A plan of the nest, or of the one that it was before it was compensated: it is tried before all others.
     """
 
-    def __init__(self, facts: Facts, profile: Profile, stated: Stated) -> None:
+    def __init__(self, facts: Facts, profile: Profile, stated: Stated, start: Plan | None = None) -> None:
         nest, home, feeds = facts.nest, profile.home_on(facts.nest), feeds_of(profile)
         self._nest, self._heat = nest, profile.heat
         self._problem = make_problem(facts, stated.statements, home, feeds)
-        self._facts, self._paths = facts, RoutePaths(facts, profile.material.kerf_mm, feeds, home)
+        self._facts, self.paths = facts, RoutePaths(facts, profile.material.kerf_mm, feeds, home)
         self.how = cutting_of(profile.material, cell_mm(nest, CELLS))
         self._part = nest.owners
         self._candidates: list[list[int]] = [[] for _ in nest.contours]
@@ -86,6 +91,14 @@ class StraighterOrders:
             if site >= 0:
                 self._candidates[int(self._problem.site_contour[site])].append(candidate)
         self.tried: dict[Route, SimulatedPlan] = {}
+        self._start = None if start is None else self.like(start)
+
+    def like(self, plan: Plan) -> Route | None:
+        """The route as much like a plan's as the rules allow, its entries included; None of a plan of another nest."""
+        cuts = [row.cut for row in of_first_torch(plan).cuts]
+        if {cut.contour for cut in cuts} != self._nest.index.keys():
+            return None
+        return self._lawful([nearest_way(self._facts, cut) for cut in cuts])
 
     def price_mm(self, profile: Profile) -> float:
         """Of a mm of error, mean over the parts of their worst places, mm of idle travel."""
@@ -95,7 +108,7 @@ class StraighterOrders:
         """The torch's path round a contour by each of its candidates, those that no rule allows there included."""
         facts = self._facts
         numbers = range(int(facts.first[contour]), int(facts.first[contour + 1]))
-        burns = (self._paths.burn(k, begin_s, facts.candidates[k].pierce)[0] for k in numbers)
+        burns = (self.paths.burn(k, begin_s, facts.candidates[k].pierce)[0] for k in numbers)
         return [burn for burn in burns if burn is not None]
 
     def find(
@@ -122,7 +135,9 @@ class StraighterOrders:
         def all_in(found: tuple[SimulatedPlan, float]) -> float:
             return found[1] - found[0].cost_mm + found[0].total_mm(price_mm)
 
-        for known in list(self.tried.values()):  # for another price
+        if self._start is not None:
+            self._simulated(self._start)
+        for known in list(self.tried.values()):  # the plan at hand, and those for another price
             if (cost_mm := better(all_in(best), known)) is not None:
                 best = known, cost_mm
         steps = min(MOST, max(FEWEST, STEPS_EACH * self._problem.n))
@@ -206,15 +221,15 @@ class StraighterOrders:
 
     def _simulated(self, route: Route) -> SimulatedPlan:
         if route not in self.tried:
-            moved = cut_sheet(self._nest, self._paths.of(route), self._heat, self.how)
+            moved = cut_sheet(self._nest, self.paths.of(route), self._heat, self.how)
             off_mm = np.array([error.max_mm or 0.0 for error in errors_of(self._nest, moved)])
             sites = self._problem.candidate_site[list(route)].tolist()
             self.tried[route] = SimulatedPlan(route, off_mm, route_cost(self._problem, sites) / UM_PER_MM)
         return self.tried[route]
 
 
-def straighter_for(profile: Profile) -> OrdersOf | None:
-    """What finds straighter orders, where the profile has a price on distortion.
+def straighter_for(profile: Profile, start: Plan | None = None) -> OrdersOf | None:
+    """What finds straighter orders, from a plan at hand on, where the profile has a price on distortion.
 
     Raises InputError if it has one on overheats as well, several torches, or a material of unknown strength.
     """
@@ -226,10 +241,10 @@ def straighter_for(profile: Profile) -> OrdersOf | None:
         )
     expect_one_torch(profile, "the price of distortion")
     metal_of(profile.heat.material)
-    return StraighterOrders
+    return partial(StraighterOrders, start=start)
 
 
-def orders_for(inputs: Inputs) -> OrdersOf | None:
+def orders_for(inputs: Inputs, start: Plan | None = None) -> OrdersOf | None:
     """What finds straighter orders, if there is a price on distortion; for a nest whose parts' errors are asked for.
 
     Raises InputError if they cannot be simulated: of several torches, of an unknown metal, or with a tolerance that is
@@ -238,4 +253,4 @@ def orders_for(inputs: Inputs) -> OrdersOf | None:
     tolerances_of(inputs.nest, inputs.profile)
     expect_one_torch(inputs.profile, "the simulation of distortion")
     metal_of(inputs.profile.heat.material)
-    return straighter_for(inputs.profile)
+    return straighter_for(inputs.profile, start)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -21,6 +21,13 @@ from kerfwise.commands.shared_options import (
     trusted_if,
 )
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.write_nest import nest_json
+
+if TYPE_CHECKING:
+    from .compensation import Kind
+
+KINDS = ("size", "shape")
 
 
 @click.command()
@@ -30,6 +37,9 @@ from kerfwise.encoder.errors import InputError
 @click.option("--json", "as_json", is_flag=True, help="Print grid_mm and each part's errors, as JSON.")
 @click.option("-o", "--output", metavar="OUT.svg", help="Write a picture of the parts as they will be, exaggerated.")
 @click.option("--animate", metavar="OUT.html", help="Write a page that shows how the sheet moves, exaggerated.")
+@click.option("--compensated", metavar="OUT.json", help="Write the nest with parts drawn so that they come out true.")
+@click.option("--compensate", type=click.Choice(KINDS), default="size", show_default=True,
+              help="What --compensated changes: the size of parts along x and y, or their shape too.")  # fmt: skip
 @FEED
 @KERF
 @click.argument("made", metavar="PLAN.json|OUT.nc", required=False)
@@ -40,6 +50,8 @@ def command(
     as_json: bool,
     output: str | None,
     animate: str | None,
+    compensated: str | None,
+    compensate: Kind,
     feed: float | None,
     kerf: float | None,
     **given: Any,
@@ -50,7 +62,11 @@ def command(
     when all is cold, the best rigid fit of the part taken off. Without NEST, derive the parts and holes from the
     program's burns.
     """
-    for name, suffix, what in ((output, ".svg", "draw the parts"), (animate, ".html", "animate the sheet")):
+    for name, suffix, what in (
+        (output, ".svg", "draw the parts"),
+        (animate, ".html", "animate the sheet"),
+        (compensated, ".json", "write the compensated nest"),
+    ):
         if name and Path(name).suffix.lower() != suffix:
             kind = Path(name).suffix or name
             raise InputError(f"cannot {what} as {kind!r}: give a name ending in {suffix}", file=name)
@@ -58,10 +74,12 @@ def command(
 
     from .predict import distort_made, distort_old
 
-    outputs = [name for name in (output, animate) if name]
+    outputs = [name for name in (output, animate, compensated) if name]
     expect_folders([Path(name) for name in outputs])
     grid_mm = length_of("--grid", grid) if grid else None
     if program_alone(given["nest"], made):
+        if compensated:
+            raise InputError("--compensated needs NEST: a program alone does not have the parts as they are drawn")
         job = read_program_alone(feed, kerf, given)
         protect(job.given, given["nest"], outputs)
         found = distort_old(job, grid_mm, not elastic)
@@ -69,8 +87,13 @@ def command(
         inputs = read_inputs(**given, last=made)
         protect(inputs, given["nest"], outputs, made)
         found = distort_made(inputs, str(made), print_note, grid_mm, not elastic, trusted_if(feed))
-    files = {Path(output): found.picture().content} if output else {}
+    files: dict[Path, str | bytes] = {Path(output): found.picture().content} if output else {}
     if animate:
         files[Path(animate)] = found.animation().content
+    changed = found.compensated(compensate) if compensated else None
+    if changed is not None:
+        files[Path(str(compensated))] = nest_json(changed.nest)
     write_files(files)
     click.echo(json.dumps(found.as_json()) if as_json else found)
+    if changed is not None:
+        print_note(f"{escape_text(str(compensated))}: {changed.line(found.heat.absorbed_power_w)}")

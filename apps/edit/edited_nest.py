@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 import shapely
 
+from kerfwise.apps.distortion.compensation import COMPENSATED
 from kerfwise.apps.nesting.find_nests import spacing_of
 from kerfwise.apps.nesting.placement.demand import QUARTERS, PartType, Spacing
 from kerfwise.apps.nesting.placement.fill import LEFT, Room, Taste, fill, largest_first
-from kerfwise.apps.nesting.placement.layout import TURNS, nest_json
+from kerfwise.apps.nesting.placement.layout import TURNS
 from kerfwise.apps.nesting.placement.nofit import Placed, Pose
 from kerfwise.apps.nesting.placement.shapes import Shapes
 from kerfwise.encoder.errors import InputError
@@ -28,6 +29,7 @@ from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.encoder.text import escape_text, unknown
+from kerfwise.encoder.write_nest import nest_json
 from kerfwise.jobs.inputs import Inputs, Tell, damaged, is_plan_file, silent
 from kerfwise.jobs.nest_job.request import last_plan
 from kerfwise.models.plan.plan import Plan
@@ -166,6 +168,8 @@ class EditedNest:
         """
         if self.base.bridges or self.base.apart:
             raise InputError("a nest with bridges between parts cannot be edited: take them out of the drawing first")
+        if any(COMPENSATED in part.attributes for part in self.base.parts):
+            raise InputError("a compensated nest fits one plan as it lies: edit the one that it was made from")
         edits = tuple(edit_of(one, self.reading) if isinstance(one, str) else one for one in changes)
         edited = replace(self, edits=(*self.edits, *edits), undone=())
         edited.__dict__["_state"] = self._after(self._state, edits)

@@ -16,13 +16,14 @@ from kerfwise.encoder.files import is_file, is_folder, read_limited
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.encoder.text import as_cell, escape_text
+from kerfwise.encoder.write_nest import nest_json
 from kerfwise.postproc.output_files import expect_place, make_folder, write_files
 from kerfwise.postproc.report import draw
 
 from .nest_check import CommonEdgeLimits, RequestedPart, RequestedSheet, RequestedSpacing, nest_faults
 from .placement.demand import Demand, Spacing
 from .placement.fill import too_large
-from .placement.layout import Layout, nest_dxf, nest_json, nests_of
+from .placement.layout import Layout, nest_dxf, nests_of
 from .placement.shapes import Shapes
 
 

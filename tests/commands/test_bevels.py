@@ -14,11 +14,12 @@ import pytest
 import shapely
 
 import kerfwise as package
-from kerfwise.apps.nesting.placement.layout import nest_dxf, nest_json
+from kerfwise.apps.nesting.placement.layout import nest_dxf
 from kerfwise.apps.nesting.placement.nofit import Placed, Pose
 from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.nest import Nest, Sheet
 from kerfwise.encoder.readers.read import read_nest
+from kerfwise.encoder.write_nest import nest_json
 from kerfwise.jobs.inputs import Inputs, silent
 from kerfwise.jobs.simulation import path_of_made
 from kerfwise.models.plan.read_plan import read_plan

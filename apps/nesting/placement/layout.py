@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import io
-import json
 import random
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import shapely
 
 from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import PART_TYPE, Contour, Kind, Nest, Part, Sheet
+from kerfwise.encoder.nest import PART_TYPE, Contour, Kind, Nest
 from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.encoder.text import dxf_in_mm, escape_text
@@ -254,54 +252,6 @@ def nests_of(layout: Layout) -> list[Nest]:
             parts.append(part)
         nests.append(Nest(sheet.stock.sheet, tuple(parts)))
     return nests
-
-
-def nest_json(nest: Nest) -> str:
-    """The nest as kerfwise-nest/1, a part a line."""
-    rows = ",\n  ".join(json.dumps(_part(part), ensure_ascii=False) for part in nest.parts)
-    sheet = json.dumps(_sheet(nest.sheet))
-    return f'{{"format": "kerfwise-nest/1", "units": "mm",\n "sheet": {sheet},\n "parts": [\n  {rows}\n ]}}\n'
-
-
-def _part(part: Part) -> dict[str, Any]:
-    source = part.outer.source
-    drawn = {"layer": source.layer, "colour": source.colour, "block": source.block}
-    attributes = {key: value for key, value in drawn.items() if value} | part.attributes
-    entry: dict[str, Any] = {"id": part.id, **attributes, "outer": part.outer.curve.as_rows()}
-    if part.holes:
-        entry["holes"] = [hole.curve.as_rows() for hole in part.holes]
-    if part.marks:
-        entry["marks"] = [_open(mark.curve) for mark in part.marks]
-    if part.tabs:
-        entry["tabs"] = [{"at": tab.at, **({"width": tab.width_mm} if tab.width_mm else {})} for tab in part.tabs]
-    contours = (("outer", part.outer), *((f"hole{k}", hole) for k, hole in enumerate(part.holes, 1)))
-    bevels = [{"of": of, **row} for of, contour in contours for row in _bevels(contour)]
-    return entry | ({"bevel": bevels} if bevels else {})
-
-
-def _bevels(contour: Contour) -> Iterator[dict[str, Any]]:
-    """The bevels of a contour as a nest file has them, those of single edges with the numbers of their vertices."""
-    if contour.bevel is not None:
-        yield contour.bevel.as_json()
-    each = contour.bevel_of_edge if contour.edge_bevels else ()
-    for bevel in dict.fromkeys(one for one in each if one is not None):
-        yield bevel.as_json() | {"edges": [k for k, one in enumerate(each, 1) if one == bevel]}
-
-
-def _open(curve: Curve) -> list[list[float]]:
-    """A mark's rows; one that closes ends where it began."""
-    rows = curve.as_rows()
-    return [*rows, rows[0][:2]] if curve.closed else rows
-
-
-def _sheet(sheet: Sheet) -> dict[str, Any]:
-    x0, y0, x1, y1 = sheet.bounds
-    if not sheet.holes and (x0, y0) == (0, 0) and sheet.polygon.area == x1 * y1:
-        return {"width": x1, "height": y1}
-    return {
-        "outline": sheet.outline.as_rows(),
-        **({"holes": [h.as_rows() for h in sheet.holes]} if sheet.holes else {}),
-    }
 
 
 def nest_dxf(nest: Nest) -> str:

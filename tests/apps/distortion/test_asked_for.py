@@ -139,6 +139,8 @@ def test_the_plan_that_is_chosen_is_the_best_that_was_simulated(
     assert chosen.plan.solve.objective < first.total_mm(price_mm) - 1.0
     again = solve_and_verify(asked, profile, limits, simulated=StraighterOrders(facts, profile, asked.stated))
     assert ways(again) == ways(chosen) != ways(plain)
+    assert orders.like(chosen.plan) in orders.tried
+    assert orders.tried[orders.like(chosen.plan) or ()].total_mm(price_mm) == pytest.approx(min(found))
     assert not any("overheat" in sentence for cut in chosen.plan.cuts for sentence in cut.because)
 
 
@@ -178,9 +180,10 @@ def test_a_price_on_mm_needs_their_simulation(tmp_path: Path) -> None:
 
 
 def test_kept_and_not_kept_in_words() -> None:
-    nothing = np.zeros((0, 2))
-    parts = tuple(PartError(name, off, off, (0.0, 0.0), np.zeros(0, int), nothing, nothing) for name, off in
-                  (("A", 1.0), ("B", 0.5), ("C", None)))  # fmt: skip
+    nothing = np.zeros(0, int), np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0)
+    parts = tuple(
+        PartError(name, off, off, (0.0, 0.0), *nothing) for name, off in (("A", 1.0), ("B", 0.5), ("C", None))
+    )
     assert kept_or_not((), 0) == ""
     assert kept_or_not(beyond(parts, {"A": 1.0, "C": 0.1}), 2) == "all 2 parts with a tolerance keep it"
     assert kept_or_not(beyond(parts, {"A": 0.9}), 1).endswith("will not keep it: A 1.00 mm, 0.9 mm allowed")

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from kerfwise.apps.edit.edited_nest import EditedNest
 from kerfwise.apps.edit.edits import Add, Edit, Keep, Mirror, Move, NestAnew, OtherSheet, Turn, edit_of
 from kerfwise.apps.nesting.placement.demand import PartType, Spacing
-from kerfwise.apps.nesting.placement.layout import nest_json
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest, Part, Sheet
+from kerfwise.encoder.write_nest import nest_json
 from kerfwise.rules.case import circle, nest, part, rect
 
 SPACING = Spacing(5.0, 5.0)

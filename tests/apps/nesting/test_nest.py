@@ -11,12 +11,13 @@ import pytest
 
 import kerfwise as package
 from kerfwise.apps.nesting.placement.fill import Room
-from kerfwise.apps.nesting.placement.layout import Layout, nest_dxf, nest_json
+from kerfwise.apps.nesting.placement.layout import Layout, nest_dxf
 from kerfwise.apps.nesting.placement.nofit import Placed
 from kerfwise.apps.nesting.placement.shapes import Key
 from kerfwise.apps.nesting.verbs import NestProgress
 from kerfwise.arrays import Floats
 from kerfwise.encoder.readers import read_nest
+from kerfwise.encoder.write_nest import nest_json
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
 

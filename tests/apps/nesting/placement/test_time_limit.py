@@ -11,10 +11,11 @@ import pytest
 
 from kerfwise.apps.nesting.placement import rounds
 from kerfwise.apps.nesting.placement.demand import Demand, PartType, Spacing, Stock
-from kerfwise.apps.nesting.placement.layout import Layout, nest_json
+from kerfwise.apps.nesting.placement.layout import Layout
 from kerfwise.apps.nesting.placement.rounds import Effort, layouts
 from kerfwise.apps.nesting.verbs import NestProgress
 from kerfwise.encoder.nest import Sheet
+from kerfwise.encoder.write_nest import nest_json
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
 
