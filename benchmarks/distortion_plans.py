@@ -7,8 +7,8 @@ Made nests by seed, of some eighteen contours on 1500 × 750 mm. Every plan keep
 
 - *default*: its plan;
 - *order*: the plan chosen by simulation, where a mm of error, mean over the parts, costs `--price` mm of travel;
-- *size*, *shape*: the nest as `kerfwise distort --compensated` writes it for the default plan, planned anew;
-- *both*: the nest compensated in shape for the plan chosen by simulation, cut in that order.
+- *size*, *shape*: the nest as `kerfwise distort --compensated` writes it for the default plan, cut by that plan;
+- *both*: the nest compensated in shape for the plan chosen by simulation, cut by that.
 
 Plans are looked for, and nests compensated, by simulations on cells of 20 mm and more; all are measured on others, of
 16 mm, at three times as many points, and against the drawing as it was. So what a mesh gets wrong is no gain. The mean
@@ -36,6 +36,7 @@ from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.heat import TimedPath
+from kerfwise.models.plan.plan import Plan
 from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
@@ -98,37 +99,38 @@ class Seed:
         self._seed, self._process, self._given = seed, process, given
         self._default = planned(seed, process, given.work)
 
-    def _changed(self, path: TimedPath, kind: Kind) -> Planned:
-        """The nest compensated for a plan, by another mesh than it is measured on, and planned anew."""
+    def _changed(self, plan: Plan, kind: Kind) -> tuple[Planned, TimedPath]:
+        """The nest compensated for a plan, by another mesh than it is measured on, and its path by that plan."""
         of = self._default
+        path = path_of_plan(plan, of.nest, of.profile)
         made = compensated(of.nest, errors(of, path, PREDICTED_MM), kind, of.profile.material.kerf_mm)
-        return planned(self._seed, self._process, self._given.work, made.nest)
+        changed = planned(self._seed, self._process, self._given.work, made.nest)
+        route = changed.orders.like(plan)
+        assert route is not None
+        return changed, changed.orders.paths.of(route)
 
     def rows(self, known: Mapping[str, list[float]]) -> Iterator[tuple[str, list[float]]]:
         """What is not known yet."""
-        of = self._default
+        of, plan = self._default, self._default.plan.plan
         if "default" not in known:
             yield "default", measured(of, of.path)
         kinds: tuple[Kind, ...] = ("size", "shape")
         for kind in kinds:
             hot = self._given.heat and kind == "shape" and "shape hot" not in known
             if kind not in known or hot:
-                changed = self._changed(of.path, kind)
-                yield kind, measured(changed, changed.path)
+                changed, path = self._changed(plan, kind)
+                yield kind, measured(changed, path)
                 if hot:
                     for name, heat in zip(("hot", "cool"), HEATS, strict=True):
                         yield f"default {name}", measured(of, of.path, heat)
-                        yield f"shape {name}", measured(changed, changed.path, heat)
+                        yield f"shape {name}", measured(changed, path, heat)
         if self._given.only != "compensation" and "both" not in known:
             priced = replace(of.profile.objective, distortion=self._given.price)
-            after = solve_and_verify(of.request, replace(of.profile, objective=priced), of.limits, simulated=of.orders)
-            assert after.verdict.ok
-            path = path_of_plan(after.plan, of.nest, of.profile)
-            yield "order", measured(of, path)
-            changed = self._changed(path, "shape")
-            route = changed.orders.like(after.plan)
-            assert route is not None
-            yield "both", measured(changed, changed.orders.paths.of(route))
+            profile = replace(of.profile, objective=priced)
+            plan = solve_and_verify(of.request, profile, of.limits, simulated=of.orders).plan
+            yield "order", measured(of, path_of_plan(plan, of.nest, of.profile))
+            changed, path = self._changed(plan, "shape")
+            yield "both", measured(changed, path)
 
 
 def table(rows: Mapping[str, Row]) -> Iterator[str]:
