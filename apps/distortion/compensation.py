@@ -10,12 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
@@ -23,11 +22,9 @@ from kerfwise.encoder.geometry.segment import Point, Segment
 from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.encoder.text import escape_text
 
-if TYPE_CHECKING:
-    from .part_errors import PartError
+from .change import COMPENSATED, POWERS, Change, change_of, middle_of
+from .part_errors import PartError, fit_rigid
 
-COMPENSATED = "compensated"
-"""The attribute of a part that says how it was changed: `along_x` and `along_y`, as `Change` has them."""
 Kind = Literal["size", "shape"]
 MOST_SHARE = 0.005
 """No cut makes a part larger or smaller by more than that."""
@@ -36,85 +33,21 @@ CLOSE_MM = 0.005
 LEAST_TOLD = 0.005
 """mm per m that are worth a word."""
 MOST_PIECES = 64
-_POWERS = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Change:
-    """How far points of a part are moved: `by` (2, 5) has mm of x and of y for x, y, x², xy and y².
-
-    These are counted in metres from the `middle` of its bounds. So the first number of x says by how many mm per m the
-    part is longer along x.
-    """
-
-    middle: Point
-    by: Floats
-
-    def at(self, xy: Floats) -> Floats:
-        """How far points (k, 2), mm, are moved, mm."""
-        x, y = ((xy - self.middle) / 1000.0).T
-        found: Floats = np.stack([x**p * y**q for p, q in _POWERS], axis=1) @ self.by.T
-        return found
-
-    @property
-    def share(self) -> float:
-        """By how much of itself it makes the part larger along x or y, the greater of the two; less than 0: smaller."""
-        return float(max(self.by[0, 0], self.by[1, 1], key=abs)) / 1000.0
-
-
-def change_of(part: Part) -> Change | None:
-    """How a part of a nest was changed from what is wanted; None for one drawn as it is wanted.
-
-    Raises InputError if what the nest says of it cannot be understood.
-    """
-    said = part.attributes.get(COMPENSATED)
-    if said is None:
-        return None
-    try:
-        by = np.array([said["along_x"], said["along_y"]], dtype=np.float64)  # type: ignore[index]
-    except (KeyError, TypeError, ValueError):
-        by = np.zeros(0)
-    if by.shape != (2, len(_POWERS)) or not np.isfinite(by).all():
-        raise InputError(
-            f"{escape_text(part.id)}: {COMPENSATED}: expected along_x and along_y with {len(_POWERS)} numbers each, as "
-            "kerfwise distort --compensated writes them"
-        )
-    return Change(_middle(part), by)
-
-
-def fit_rigid(xy: Floats, off: Floats, weight: Floats) -> Floats:
-    """What of displacements (k, 2) at points (k, 2) no small shift and turn explains, by weighted least squares.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
-    >>> turned = 0.01 * np.column_stack([-square[:, 1], square[:, 0]]) + (3.0, -1.0)
-    >>> bool(np.abs(fit_rigid(square, turned, np.ones(4))).max() < 1e-12)
-    True
-    """
-    arm = xy - np.average(xy, axis=0, weights=weight)
-    moves = np.zeros((len(xy), 2, 3))
-    moves[:, 0, 0] = moves[:, 1, 1] = 1.0
-    moves[:, 0, 2], moves[:, 1, 2] = -arm[:, 1], arm[:, 0]
-    root = np.sqrt(weight)[:, None]
-    best = np.linalg.lstsq((moves * root[:, :, None]).reshape(-1, 3), (off * root).ravel(), rcond=None)[0]
-    left: Floats = off - moves @ best
-    return left
 
 
 def fitted(part: Part, error: PartError, kind: Kind) -> Change:
     """How the cold part is off, as a field: of its size alone, or of its shape too, by weighted least squares."""
-    single = np.eye(2 * len(_POWERS)).reshape(-1, 2, len(_POWERS))
-    turn = single[len(_POWERS)] - single[1]
-    fields = np.stack([single[0], single[len(_POWERS) + 1], turn]) if kind == "size" else single
-    columns = [Change(_middle(part), field).at(error.xy) for field in fields]
+    single = np.eye(2 * len(POWERS)).reshape(-1, 2, len(POWERS))
+    turn = single[len(POWERS)] - single[1]
+    fields = np.stack([single[0], single[len(POWERS) + 1], turn]) if kind == "size" else single
+    columns = [Change(middle_of(part), field).at(error.xy) for field in fields]
     columns += [np.broadcast_to(shift, error.xy.shape) for shift in np.eye(2)]
     root = np.sqrt(error.length_mm)[:, None]
     weighed = (np.stack(columns, axis=-1) * root[:, :, None]).reshape(-1, len(columns))
     best = np.linalg.lstsq(weighed, (error.off * root).ravel(), rcond=None)[0][: len(fields)]
     by = np.tensordot(best, fields, 1)
     turned = (by[1, 0] - by[0, 1]) / 2  # where the part lies is nobody's concern
-    return Change(_middle(part), by - turned * turn)
+    return Change(middle_of(part), by - turned * turn)
 
 
 def left_mm(nest: Nest, errors: Sequence[PartError], kind: Kind) -> float:
@@ -211,11 +144,6 @@ def _too_near(before: Nest, after: Nest, kerf_mm: float) -> Iterator[str]:
 
 
 # A changed part, contour by contour.
-
-
-def _middle(part: Part) -> Point:
-    x0, y0, x1, y1 = part.outer.polygon.bounds
-    return (x0 + x1) / 2, (y0 + y1) / 2
 
 
 def _changed(part: Part, change: Change) -> Part:

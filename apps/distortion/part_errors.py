@@ -9,7 +9,7 @@ import numpy as np
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.nest import Nest, Part
 
-from .compensation import change_of, fit_rigid
+from .change import change_of
 from .cutting import Moved
 
 LEAST_FITTED = 3
@@ -33,6 +33,26 @@ class PartError:
     xy: Floats
     off: Floats
     length_mm: Floats
+
+
+def fit_rigid(xy: Floats, off: Floats, weight: Floats) -> Floats:
+    """What of displacements (k, 2) at points (k, 2) no small shift and turn explains, by weighted least squares.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
+    >>> turned = 0.01 * np.column_stack([-square[:, 1], square[:, 0]]) + (3.0, -1.0)
+    >>> bool(np.abs(fit_rigid(square, turned, np.ones(4))).max() < 1e-12)
+    True
+    """
+    arm = xy - np.average(xy, axis=0, weights=weight)
+    moves = np.zeros((len(xy), 2, 3))
+    moves[:, 0, 0] = moves[:, 1, 1] = 1.0
+    moves[:, 0, 2], moves[:, 1, 2] = -arm[:, 1], arm[:, 0]
+    root = np.sqrt(weight)[:, None]
+    best = np.linalg.lstsq((moves * root[:, :, None]).reshape(-1, 3), (off * root).ravel(), rcond=None)[0]
+    left: Floats = off - moves @ best
+    return left
 
 
 def errors_of(nest: Nest, moved: Moved) -> tuple[PartError, ...]:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from kerfwise.apps.distortion.compensation import COMPENSATED
+from kerfwise.apps.distortion.change import COMPENSATED
 from kerfwise.apps.nesting.find_nests import spacing_of
 from kerfwise.apps.nesting.placement.demand import QUARTERS, PartType, Spacing
 from kerfwise.apps.nesting.placement.fill import LEFT, Room, Taste, fill, largest_first

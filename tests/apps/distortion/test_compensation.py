@@ -9,16 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kerfwise.apps.distortion.compensation import (
-    CLOSE_MM,
-    COMPENSATED,
-    Change,
-    Kind,
-    change_of,
-    compensated,
-    fitted,
-    left_mm,
-)
+from kerfwise.apps.distortion.change import COMPENSATED, Change, change_of
+from kerfwise.apps.distortion.compensation import CLOSE_MM, Kind, compensated, fitted, left_mm
 from kerfwise.apps.distortion.cutting import Cutting, Moved, cut_sheet
 from kerfwise.apps.distortion.part_errors import PartError, errors_of
 from kerfwise.apps.edit.edited_nest import EditedNest
