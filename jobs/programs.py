@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Mapping, Set
+from collections.abc import Callable, Mapping, Set
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -150,46 +150,49 @@ def read_old_job(
     if not afresh:
         profile = with_program_feeds(profile, program)
     at_corner = zero if origin == "sheet-corner" else None
-    nest_of_burns: NestOfBurns | None = None
-    unclear: tuple[Unclear, ...] = ()
     open_mm = tab_mm(profile, kerf_mm)
 
     def told_at(kerf_mm: float, aside: Set[int] = frozenset()) -> NestOfBurns:
         return nest_of(program.burns, kerf_mm, request.sheet_mm, at_corner, Path(path).name, open_mm, aside)
 
+    told, unclear, without_kerf = _told_nest(told_at, kerf_mm, program.step_mm, afresh)
+    if without_kerf:
+        kerf_mm = 0.0
+        notes.append(
+            "the burns do not run half a kerf beside contours with round corners: rules are judged on the torch's "
+            "path itself, as if the kerf had no width"
+        )
     partly: NestOfBurns | None = None
-    try:
-        nest_of_burns = told_at(kerf_mm)
-        if not afresh and kerf_mm > 0 and not fits_kerf(nest_of_burns, kerf_mm, program.step_mm):
-            raise AmbiguousNest(())
-    except AmbiguousNest as none:
-        unclear = none.unclear
-        if not afresh and kerf_mm > 0:
-            try:
-                nest_of_burns, unclear = told_at(0.0), ()
-            except AmbiguousNest as still:
-                nest_of_burns, unclear = None, still.unclear
-            else:
-                kerf_mm = 0.0
-                notes.append(
-                    "the burns do not run half a kerf beside contours with round corners: rules are judged on the "
-                    "torch's path itself, as if the kerf had no width"
-                )
-    if nest_of_burns is None and not afresh:
+    if told is None and not afresh:
         with suppress(AmbiguousNest):
             partly = told_at(kerf_mm, {one.line for one in unclear})
     profile = replace(profile, material=replace(profile.material, kerf_mm=kerf_mm))
     judged = text
-    if nest_of_burns is not None:
-        named = name_by_comments(nest_of_burns, program.comments)
-        if named is None:
-            judged = without_comments(text)
-        else:
-            nest_of_burns = named
-        notes += [note.text for note in nest_of_burns.nest.notes]
+    if told is not None:
+        named = name_by_comments(told, program.comments)
+        judged, told = (without_comments(text), told) if named is None else (text, named)
+        notes += [note.text for note in told.nest.notes]
     for note in notes:
         tell(note)
-    return OldJob(file, old, program, profile, nest_of_burns, tuple(unclear), partly, trusted, judged, tuple(notes))
+    return OldJob(file, old, program, profile, told, unclear, partly, trusted, judged, tuple(notes))
+
+
+def _told_nest(
+    told_at: Callable[[float], NestOfBurns], kerf_mm: float, step_mm: float, afresh: bool
+) -> tuple[NestOfBurns | None, tuple[Unclear, ...], bool]:
+    """The nest that burns make, or what is unclear of it, and whether they run along contours as if without a kerf."""
+    beside_kerf: NestOfBurns | None = None
+    unclear: tuple[Unclear, ...] = ()
+    try:
+        beside_kerf = told_at(kerf_mm)
+    except AmbiguousNest as none:
+        unclear = tuple(none.unclear)
+    if afresh or kerf_mm <= 0 or (beside_kerf is not None and fits_kerf(beside_kerf, kerf_mm, step_mm)):
+        return beside_kerf, unclear, False
+    try:
+        return told_at(0.0), (), True
+    except AmbiguousNest as still:
+        return None, tuple(still.unclear), False
 
 
 def without_comments(text: str) -> str:
