@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.text import join_names
@@ -385,6 +386,12 @@ def without_words(node: Node, n: int) -> Node:
             plain = without_words(term, n)
             values[plain] = values.get(plain, 0) + weight
         return gate(values, node.bound)
+    return _without_word(node, n)
+
+
+@lru_cache(maxsize=100_000)
+def _without_word(node: Lit, n: int) -> Node:
+    """The same of a literal: a rule asks of each as often as it names it."""
     atom = node.atom
     match atom:
         case Before() | Pick():

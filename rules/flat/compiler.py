@@ -63,6 +63,16 @@ def compiled_within(seconds: float) -> Iterator[None]:
         _ENDS_S.reset(before)
 
 
+def expect_in_time(about: Path) -> None:
+    """An error about a rule that is read, once what all rules may take together is over."""
+    if time.monotonic() > _ENDS_S.get():
+        raise InputError(
+            "what MiniZinc has made of this rule is being read, and the time limit leaves no more for it: give it more "
+            "time, or state the rule over fewer contours",
+            file=about,
+        )
+
+
 def minizinc_program() -> str:
     """The MiniZinc that is installed, tried before anything relies on it.
 

@@ -115,7 +115,13 @@ class ModelRule(Rule[Any]):
         """What the file says of the facts, kept as long as these live: a look for a conflict asks once more."""
         kept = _stated.setdefault(facts, {})
         if (self, options) not in kept:
-            kept[self, options] = tuple(self._statements(facts, options))
+            from .compiler import expect_in_time
+
+            stated = []
+            for statement in self._statements(facts, options):
+                expect_in_time(self.file.path)
+                stated.append(statement)
+            kept[self, options] = tuple(stated)
         yield from kept[self, options]
 
     def _statements(self, facts: Facts, options: Any) -> Iterator[Statement]:

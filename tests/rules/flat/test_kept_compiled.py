@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,9 +17,10 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.pipeline import plan_nest, solve_and_verify
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.flat import compiler, flatten
-from kerfwise.rules.flat.compiler import Compiled
+from kerfwise.rules.flat.compiler import Compiled, compiled_within
 from kerfwise.rules.flat.flatten import cache_folder, compiled
 from kerfwise.rules.flat.model_file import ModelFile, read_model_file
+from kerfwise.rules.flat.model_rule import read_model_rule
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 
@@ -208,6 +210,15 @@ def test_compiling_ends_within_the_limit(tmp_path: Path, cache: Path) -> None:
     with pytest.raises(InputError, match=r"is not done after 1\.. s, which is all that the time limit leaves it"):
         plan_nest(Inputs(ROW, profile), SolveOptions(time_s=1.0))
     assert time.monotonic() - began_s < 10.0
+
+
+def test_reading_ends_within_the_limit(tmp_path: Path, cache: Path) -> None:
+    file = tmp_path / "tried.mzn"
+    file.write_text("% tried: in a row\narray[int] of var bool: tried_holds = [before(1, 2), before(2, 3)];\n")
+    rule, facts = read_model_rule(file), facts_of(ROW, load_profile())
+    assert len(list(rule.statements(facts, rule.Options()))) == 2
+    with compiled_within(-1.0), pytest.raises(InputError, match="is being read, and the time limit leaves no more"):
+        list(rule.statements(replace(facts), rule.Options()))
 
 
 def load_profile_of(folder: Path, text: str) -> Profile:
