@@ -207,7 +207,7 @@ def test_compiling_ends_within_the_limit(tmp_path: Path, cache: Path) -> None:
     )
     profile = load_profile_of(tmp_path, "models: [tried.mzn]\nrules: {tried: hard}\n")
     began_s = time.monotonic()
-    with pytest.raises(InputError, match=r"is not done after 1\.. s, which is all that the time limit leaves it"):
+    with pytest.raises(InputError, match=r"is not done after \d\.\d s, which is all that the time limit leaves it"):
         plan_nest(Inputs(ROW, profile), SolveOptions(time_s=1.0))
     assert time.monotonic() - began_s < 10.0
 
