@@ -34,10 +34,10 @@ from kerfwise.benchmarks.distortion_rules import PROCESSES, made_nest
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.jobs.simulation import path_of_plan
-from kerfwise.models.engines.solution import SolveOptions
+from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.plan.plan import Plan
-from kerfwise.pipeline import VerifiedPlan, solve_and_verify
+from kerfwise.pipeline import VerifiedPlan, plan_of, solve_and_verify
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 
@@ -107,7 +107,9 @@ class Seed:
         changed = planned(self._seed, self._process, self._given.work, made.nest)
         route = changed.orders.like(plan)
         assert route is not None
-        return changed, changed.orders.paths.of(route)
+        solution = Solution(route, 0.0, None, "feasible", "search", "", 0.0)
+        same = plan_of(changed.request, changed.profile, solution, changed.limits, (), reasons=False)
+        return changed, path_of_plan(same, changed.nest, changed.profile)
 
     def rows(self, known: Mapping[str, list[float]]) -> Iterator[tuple[str, list[float]]]:
         """What is not known yet."""
