@@ -6,8 +6,9 @@ Read by `ast`, whatever modules are called. Product files are all Python files b
 examples; the core is all of them but those of `apps`. A circle counts imports within functions and those for types too.
 With `--solve` one nest of 16 contours is planned in a process of its own, and the files and functions of kerfwise that
 it runs through are counted (those compiled by numba are not). Test files that import nothing of kerfwise but its
-interface (`kerfwise`, `cli`, `rule_kit`) and other files of the tests can stay as they are where rooms move. Words of
-prose are those of README, CONTRIBUTING and docs, without code, tables, and the reference that is made of the code.
+interface (`kerfwise`, `cli`, `rule_kit`), other files of the tests and examples can stay as they are where rooms move.
+A second figure leaves out those of them that reach a room by way of a helper or a benchmark. Words of prose are those
+of README, CONTRIBUTING and docs, without code, tables, and the reference that is made of the code.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ PAGES = ("README.md", "CONTRIBUTING.md")
 REFERENCE = {"api.md", "flattened.md", "profile.md", "rule-kit.md", "rules.md"}
 """Pages that commands make of the code."""
 INTERFACE = {"kerfwise", "kerfwise.cli", "kerfwise.rule_kit", "kerfwise.api"}
+BESIDE = ("tests", "benchmarks", "examples")
 LARGEST_FILE, LONGEST_FUNCTION, MOST_PARAMETERS, MOST_IMPORTERS = 500, 60, 8, 60
 NEST = Path(__file__).parents[1] / "examples" / "nests" / "e1x_6.json"
 TRACED = """
@@ -131,20 +133,46 @@ def figures(modules: dict[str, Module]) -> Iterator[tuple[str, str, list[str]]]:
 
 
 def test_figures(root: Path) -> Iterator[tuple[str, str, list[str]]]:
-    """How many test files speak through the interface alone."""
-    outside = []
-    paths = sorted((root / "tests").rglob("test_*.py"))
-    for path in paths:
-        nodes = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if _imports(node)]
-        named = {target for node in nodes for target in _named(node)}
-        if any(name not in INTERFACE and not name.startswith("kerfwise.tests") for name in named):
-            outside.append(path.relative_to(root).as_posix())
-    if paths:
-        yield (
-            f"test files that speak through the interface, of {len(paths)}",
-            f"{len(paths) - len(outside)}",
-            [],
-        )
+    """How many test files speak through the interface alone: by what they import, and with all helpers behind it."""
+    package = "kerfwise"
+    named: dict[str, set[str]] = {}
+    for path in sorted(path for folder in BESIDE for path in (root / folder).rglob("*.py")):
+        parts = path.relative_to(root).with_suffix("").parts
+        name = ".".join((package, *(parts[:-1] if parts[-1] == "__init__" else parts)))
+        within = name if parts[-1] == "__init__" else name.rpartition(".")[0]
+        nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        found = (node for node in nodes if isinstance(node, ast.Import | ast.ImportFrom))
+        named[name] = {to for node in found for to in _targets(node, within) if to.split(".")[0] == package}
+    helpers = {name: {to for to in targets if to in named} for name, targets in named.items()}
+    rooms = {path.stem for path in root.iterdir() if path.is_dir() or path.suffix == ".py"} - {"tests", "examples"}
+    inner = {name for name, targets in named.items() if any(_is_inner(to, rooms) for to in targets)}
+    tests = [name for name in named if name.rpartition(".")[2].startswith("test_")]
+    for title, behind in (("by themselves", False), ("with their helpers", True)):
+        outside = [name for name in tests if inner & ({name, *_reached(name, helpers)} if behind else {name})]
+        figure = f"{len(tests) - len(outside)}"
+        yield f"test files through the interface, of {len(tests)}, {title}", figure, outside
+
+
+def _is_inner(target: str, rooms: set[str]) -> bool:
+    """Whether an import names a room of the package that is no part of its interface, or something in one."""
+    name = target.split(".")[1:2]
+    return (
+        bool(name)
+        and name[0] in rooms
+        and target not in INTERFACE
+        and target.rpartition(".")[0] not in INTERFACE - {"kerfwise"}
+    )
+
+
+def _reached(name: str, helpers: dict[str, set[str]]) -> set[str]:
+    """All files that a file imports, by way of others too."""
+    found: set[str] = set()
+    left = [name]
+    while left:
+        new = helpers[left.pop()] - found
+        found |= new
+        left += new
+    return found
 
 
 def prose_figures(root: Path) -> Iterator[tuple[str, str, list[str]]]:
@@ -160,20 +188,6 @@ def prose_figures(root: Path) -> Iterator[tuple[str, str, list[str]]]:
 def _prose(text: str) -> int:
     rows = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE).splitlines()
     return sum(len(row.split()) for row in rows if not row.lstrip().startswith("|"))
-
-
-def _imports(node: ast.AST) -> bool:
-    return isinstance(node, ast.Import | ast.ImportFrom)
-
-
-def _named(node: ast.AST) -> Iterator[str]:
-    """The modules of kerfwise that an import of a test names."""
-    if isinstance(node, ast.Import):
-        yield from (alias.name for alias in node.names if alias.name.split(".")[0] == "kerfwise")
-    elif isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "kerfwise":
-        modules = {"cli", "api", "rule_kit", "jobs", "encoder", "rules", "models", "postproc", "commands"}
-        whole = node.module == "kerfwise"
-        yield from (f"kerfwise.{a.name}" if whole and a.name in modules else str(node.module) for a in node.names)
 
 
 def traced(root: Path) -> tuple[str, str]:

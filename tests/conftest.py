@@ -15,14 +15,12 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise import Nest, Plan, Profile
 from kerfwise import pipeline as production
 from kerfwise.encoder import progress_notice
-from kerfwise.encoder.nest import Nest
 from kerfwise.models.jit import take_plainly
-from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.dialects import Dialect, load_dialect
 from kerfwise.rules.flat import flatten
-from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.metal.coverage import Tabs
 from kerfwise.tests.metal.layers import simulate_layers
 from kerfwise.tests.metal.plant import plant, tabs_of

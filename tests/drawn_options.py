@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from kerfwise import Profile
 from kerfwise.apps.authoring.trials.agreement import TRIES, drawn_value
+from kerfwise.rule_kit import RuleSetting
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.profile.active_rules import resolve_defaults
-from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import RuleSetting
 
 
 def drawn_options(rule: str, base: Any, rng: np.random.Generator) -> Any:

@@ -9,22 +9,17 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.pipeline import solve_and_verify
-from kerfwise.postproc.check import report
-from kerfwise.rules.catalogue.pierce import PierceOptions
-from kerfwise.rules.profile.load import load_profile, shipped_profiles
-from kerfwise.rules.profile.profile import Profile
+import kerfwise
+from kerfwise import InputError, Nest, Profile, RulesConflict, load_profile
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.metal.clean import assert_clean
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.tools.amount import examples
+from kerfwise.tests.tools.shipped import PROFILES
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("profile_name", shipped_profiles())
+@pytest.mark.parametrize("profile_name", PROFILES)
 @given(nest=nests(), seed=st.integers(0, 3), budget_kj=st.sampled_from([None, 2.0, 20.0]))
 @examples(12)
 def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int, budget_kj: float | None) -> None:
@@ -36,16 +31,14 @@ def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int, b
     rules["zone-order"] = replace(zones, options=replace(zones.options, zone_contours=4, zone_heat_kj=budget_kj))
     profile = replace(profile, rules=rules, small_holes=replace(profile.small_holes, under="refuse"))
     try:
-        asked = make_request(facts_of(nest, profile), profile)
-    except InputError as refused:
-        assume("cannot be cut" not in refused.message)
-        raise
-    try:
-        made = solve_and_verify(asked, profile, options_for(nest, profile, seed=seed, work=2.0))
+        made = kerfwise.solve(nest, profile, seed=seed, work=2.0)
     except RulesConflict:
         assume(not _a_street_without_metal(nest, profile))
         raise
-    assert made.verdict.ok, report(made.verdict)
+    except InputError as refused:
+        assume("cannot be cut" not in refused.message)
+        raise
+    assert made.verdict.ok, str(made.verdict)
     assert_clean(nest, made.program, **plant(profile))
     assert len(made.plan.cuts) == len(nest.contours)
 
@@ -53,7 +46,6 @@ def test_every_plan_passes_the_check(profile_name: str, nest: Nest, seed: int, b
 def _a_street_without_metal(nest: Nest, profile: Profile) -> bool:
     """Whether a pierce has no room in a street between two parts once one of them is cut: no order may help there."""
     asked = profile.settings()["pierce"].options
-    assert isinstance(asked, PierceOptions)
     least_mm = asked.clearance_mm + 1.5 * profile.material.kerf_mm + asked.splash_mm
     lines = [(c.part, c.line) for c in nest.contours if c.kind != "mark"]
     return any(a != b and one.distance(other) < least_mm for (a, one), (b, other) in combinations(lines, 2))

@@ -8,15 +8,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.models.plan.conflict import find_conflict
-from kerfwise.pipeline import solve_and_verify
-from kerfwise.postproc.check import report
-from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.load import load_profile
+import kerfwise
+from kerfwise import InputError, Lock, Nest, RulesConflict, load_profile
+from kerfwise.rule_kit import nest, part, rect
 from kerfwise.tests.encoder.facts.random_nests import nests
 from kerfwise.tests.tools.amount import examples
 
@@ -33,18 +27,18 @@ def test_a_locked_position_is_kept_and_passes_the_check(nest: Nest, data: st.Dat
     locks = tuple(Lock(contour=name, position=place) for name, place in zip(chosen, at, strict=True))
     profile = replace(profile, locks=locks)
     try:
-        facts = facts_of(nest, profile)
+        kerfwise.facts(nest, profile)
     except InputError:
         assume(False)
     try:
-        made = solve_and_verify(make_request(facts, profile), profile, options_for(nest, profile, work=2))
+        made = kerfwise.solve(nest, profile, work=2)
     except RulesConflict:
-        conflict = find_conflict(facts, profile)
+        conflict = kerfwise.conflict(nest, profile)
         assert conflict is not None
         firm = {about.rule for about in conflict.clash}
         assert not firm & {"level-ahead", "hull-before"}, "\n".join(conflict.lines())
         return
-    assert made.verdict.ok, report(made.verdict)
+    assert made.verdict.ok, str(made.verdict)
     assert [made.plan.cuts[place - 1].cut.contour for place in at] == chosen
 
 
@@ -56,6 +50,6 @@ def test_marks_that_come_first_leave_no_room_either() -> None:
     ]
     row = nest(480, 360, part("C", channel), part("G", rect(16, 16, 10, 10)), *marked)
     profile = replace(load_profile(), locks=(Lock(contour="C.outer", position=4),))
-    made = solve_and_verify(make_request(facts_of(row, profile), profile), profile, options_for(row, profile, work=2))
-    assert made.verdict.ok, report(made.verdict)
+    made = kerfwise.solve(row, profile, work=2)
+    assert made.verdict.ok, str(made.verdict)
     assert [e.violation.contours for j in made.verdict.rules for e in j.excused] == [("G.outer", "C.outer")]

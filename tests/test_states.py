@@ -9,16 +9,15 @@ from pathlib import Path
 import pytest
 
 import kerfwise
+from kerfwise import load_profile, read_plan
 from kerfwise.apps.batch.result import row_of
 from kerfwise.apps.viewer.compare.comparison import proofs
 from kerfwise.apps.viewer.page.page_data import page_data
 from kerfwise.apps.work_sheets.work_sheet import facts_of_sheet, work_sheet
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.plan_state import Place, PlanState
-from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise as command_line
 
 PLAIN = {"A": (20, 20), "B": (140, 20)}
@@ -146,3 +145,13 @@ def test_many_places_are_counted() -> None:
     )
     assert PlanState.of_json(state.as_json()) == state
     assert state.for_operator().startswith("kept but for 10 places: ")
+
+
+def test_the_operator_is_told_in_words_of_the_shop() -> None:
+    place = Place("excused", "part-rigidity", ("P3.outer",), "thin")
+    told = [PlanState("kept").for_operator(), PlanState.of([place]).for_operator(), PlanState("broken").for_operator()]
+    assert told == [
+        "kept: cut it as the program says",
+        "kept but for 1 place: metal may move or tip there, stand by when these are cut: P3.outer",
+        "broken: do not cut this sheet",
+    ]

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass, replace
 from math import inf
 
-from kerfwise.encoder.cut import CutSequence
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise import RulesConflict
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.postproc.check.rule_verdicts import judge
 from kerfwise.postproc.nc.program import write_program
+from kerfwise.rule_kit import CutSequence
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE
 from kerfwise.rules.statements import EXEMPTION_MM
 from kerfwise.rules.stating.lazy_statements import lazy_statements

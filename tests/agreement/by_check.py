@@ -10,15 +10,12 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.encoder.cut import CutSequence
+from kerfwise import Profile
+from kerfwise.rule_kit import CutSequence, OrderRule, RuleSetting, Violation
 from kerfwise.rules.catalogue import no_islands, part_rigidity
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_islands import NoIslandsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
-from kerfwise.rules.judging.violation import Violation
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import RuleSetting
-from kerfwise.rules.rule import OrderRule
 from kerfwise.rules.statements import EXEMPTION_MM
 from kerfwise.tests.agreement.cases import TURNS
 from kerfwise.tests.agreement.trial import Trial

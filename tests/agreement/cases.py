@@ -9,16 +9,15 @@ from typing import Literal
 
 import numpy as np
 
+from kerfwise import InputError, Nest, Profile
 from kerfwise.encoder.candidates import build_candidates
-from kerfwise.encoder.candidates.candidate import Candidate
-from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.links import with_links
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import KINDS, Contour, Nest
+from kerfwise.encoder.nest import KINDS
 from kerfwise.encoder.slits import with_slits
 from kerfwise.jobs.request import options_for
 from kerfwise.postproc.clock import contour_heat_kj
+from kerfwise.rule_kit import Candidate, Contour, Curve, RuleSetting
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStripsOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
@@ -27,8 +26,7 @@ from kerfwise.rules.own.criteria import Pattern
 from kerfwise.rules.own.demands import NextCut
 from kerfwise.rules.own.selector import Selector
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import Common, Cuts, Links, RuleSetting
+from kerfwise.rules.profile.sections import Common, Cuts, Links
 from kerfwise.tests.agreement.scrap_lines import with_lines
 from kerfwise.tests.drawn_options import with_drawn_options
 from kerfwise.tests.metal.common_nests import block

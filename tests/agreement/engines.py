@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise import RulesConflict
 from kerfwise.models.engines.minizinc_engine import solve_minizinc
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.engines.solve import solve

@@ -9,23 +9,19 @@ from itertools import permutations
 from minizinc import Instance
 from minizinc.error import MiniZincWarning
 
+from kerfwise import Nest, Profile, RulesConflict
 from kerfwise.encoder.candidates import build_candidates
-from kerfwise.encoder.cut import CutSequence
-from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts import compute_facts
-from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines.minizinc_model import condition_arrays, data_text, model_text
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
 from kerfwise.postproc.clock import contour_heat_kj
+from kerfwise.rule_kit import About, CutSequence, Facts, RuleSetting
 from kerfwise.rules.catalogue.no_islands import ALLOWANCE
 from kerfwise.rules.minizinc.installation import driver, solver_named
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.statements import About, IdleTravel
+from kerfwise.rules.statements import IdleTravel
 from kerfwise.rules.stating.state_rules import Stated
 from kerfwise.tests.agreement.by_check import shifted
 

@@ -12,20 +12,16 @@ from math import inf
 
 import numpy as np
 
+from kerfwise import InputError, Profile, RulesConflict
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.candidates import build_candidates
-from kerfwise.encoder.cut import Cut, CutSequence
-from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.compute import loose_in, remaining_facts
-from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.request import options_for
 from kerfwise.models.engines import Engine, member_of
 from kerfwise.models.engines.solve import solve
+from kerfwise.rule_kit import Cut, CutSequence, Facts, RuleSetting, Violation
 from kerfwise.rules.catalogue.part_rigidity import ALLOWANCE
-from kerfwise.rules.judging.violation import Violation
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import EXEMPTION_MM
 from kerfwise.rules.stating.lazy_statements import lazy_statements

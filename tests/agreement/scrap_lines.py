@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
+from kerfwise import Nest
 from kerfwise.encoder.candidates.build import scrap_problems as beside_kerfs
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest, as_scrap
+from kerfwise.encoder.nest import as_scrap
 from kerfwise.encoder.scrap import skeleton
 from kerfwise.encoder.validate import scrap_problems
+from kerfwise.rule_kit import Curve
 
 TRIES = 30
 SHORTEST_MM = 5.0

@@ -10,9 +10,8 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from kerfwise import Nest, Plan, Profile
 from kerfwise.encoder.bevels.bevel import Bevel
-from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines import Engine
@@ -20,15 +19,13 @@ from kerfwise.models.engines.minizinc_engine import solve_minizinc
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.plan.make_plan import make_plan
-from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import check_cuts
 from kerfwise.postproc.clock import with_times
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_program
-from kerfwise.rules.case import nest, part, rect
+from kerfwise.rule_kit import Facts, RuleSetting, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import RuleSetting, Snake, Split
+from kerfwise.rules.profile.sections import Snake, Split
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 
 ROUNDED_MM = 0.01

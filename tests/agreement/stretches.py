@@ -7,9 +7,9 @@ from functools import cached_property
 
 import shapely
 
-from kerfwise.encoder.cut import Cut
-from kerfwise.encoder.nest import Contour, Nest
+from kerfwise import Nest
 from kerfwise.encoder.torch_path import compensated
+from kerfwise.rule_kit import Contour, Cut
 
 NEAR_MM = 0.06
 """A path covers what of a ring lies so near it: the check's tolerance, and the chords of rounds."""

@@ -10,16 +10,13 @@ from itertools import combinations, pairwise, product
 import numpy as np
 import shapely
 
+from kerfwise import Nest, Profile
 from kerfwise.arrays import Floats
-from kerfwise.encoder.cut import Cut, CutSequence, Side
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.models.physics.motion import Leg, schedule
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.check.plan_runs import runs_from_cuts
+from kerfwise.rule_kit import Contour, Curve, Cut, CutSequence, Side, Violation
 from kerfwise.rules.catalogue.pierce import PierceOptions
-from kerfwise.rules.judging.violation import Violation
-from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.agreement.stretches import Stretches, along_mm
 from kerfwise.tests.models.engines.cases import Case
 

@@ -17,7 +17,9 @@ FILES = {
     "apps/eight.py": "def g(a, b, c, d, e, f, g, h, *, i) -> None: ...\n",
     "tests/five.py": "from .. import one\n",
     "tests/test_six.py": "import kerfwise\nfrom kerfwise.tests import five\nfrom kerfwise import solve\n",
-    "tests/test_seven.py": "from kerfwise import jobs\n",
+    "tests/test_seven.py": "from kerfwise import two\n",
+    "tests/test_eight.py": "from kerfwise.tests.helper import x\nfrom kerfwise.rule_kit import nest\n",
+    "tests/helper.py": "from kerfwise.inner.four import f\n",
 }
 
 
@@ -47,7 +49,14 @@ def test_lazy_and_typing_imports_make_a_circle_that_loading_does_not(tree: Path)
     assert told["functions past 60 lines, of 3"] == ("1", ["product.inner.four:f@4: 61"])
     assert told["files past 500 lines"] == ("0", [])
     assert told["functions with more than 8 parameters"] == ("1", ["product.apps.eight:g@1: 9"])
-    assert [row[:2] for row in house.test_figures(tree)] == [("test files that speak through the interface, of 2", "1")]
+
+
+def test_a_test_that_reaches_a_room_by_a_helper_is_counted_apart(tree: Path) -> None:
+    alone, behind = house.test_figures(tree)
+    assert alone == ("test files through the interface, of 3, by themselves", "2", ["kerfwise.tests.test_seven"])
+    assert behind[:2] == ("test files through the interface, of 3, with their helpers", "0")
+    (tree / "tests" / "five.py").write_text("")
+    assert list(house.test_figures(tree))[1][1] == "1"
 
 
 def test_words_of_prose_are_those_outside_code_tables_and_made_pages(tree: Path) -> None:

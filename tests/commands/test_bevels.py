@@ -5,28 +5,15 @@ from __future__ import annotations
 import json
 import math
 import re
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import ezdxf
 import pytest
-import shapely
 
 import kerfwise as package
-from kerfwise.apps.nesting.placement.layout import nest_dxf
-from kerfwise.apps.nesting.placement.nofit import Placed, Pose
-from kerfwise.encoder.bevels.bevel import Bevel
-from kerfwise.encoder.nest import Nest, Sheet
-from kerfwise.encoder.readers.read import read_nest
-from kerfwise.encoder.write_nest import nest_json
-from kerfwise.jobs.inputs import Inputs, silent
-from kerfwise.jobs.simulation import path_of_made
-from kerfwise.models.plan.read_plan import read_plan
-from kerfwise.postproc.check.check import check_program
-from kerfwise.postproc.check.reader.controls import CONTROLS
-from kerfwise.postproc.check.reader.rs274 import read_nc
-from kerfwise.rules.profile.load import load_profile
+from kerfwise import load_profile, read_nest
+from kerfwise.tests.checked import checked
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.tools.canon import run
 
@@ -49,7 +36,7 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def verdict(program: str) -> list[str]:
     """What is wrong with the bevels of a program of the example."""
     profile = load_profile(PROFILE)
-    result = check_program(read_nest(NEST, profile.read_options()), program, profile)
+    result = checked(read_nest(NEST, profile), program, profile)
     return [str(v.text) for rule in result.rules if rule.id == "bevels" for v in rule.violations]
 
 
@@ -204,7 +191,7 @@ def test_damaged_edges_are_refused(edged: tuple[str, str, str, Any], pattern: st
     profile = load_profile(plant)
     damaged = re.sub(pattern, instead, program)
     assert damaged != program
-    result = check_program(read_nest(nest, profile.read_options()), damaged, profile)
+    result = checked(read_nest(nest, profile), damaged, profile)
     found = [v.text for rule in result.rules if rule.id == "bevels" for v in rule.violations]
     assert any(says in text for text in found), found
 
@@ -266,26 +253,16 @@ def test_eia_tilts_and_turns_by_the_words_of_its_manual(tmp_path: Path) -> None:
     upright = next(block for block in blocks[first + 1 :] if block.startswith("G00 X"))
     assert upright.endswith(" A0")
     profile = load_profile(plant)
-    drawn = read_nest(nest, profile.read_options())
+    drawn = read_nest(nest, profile)
     for damaged, says in (
         (program.replace(" A30", " A20"), "no pass that leans by 30 degrees"),
         (program.replace(" A30", ""), "no pass that leans by 30 degrees"),
         (re.sub(r" C(-?\d+)(?=\nN\d+ M07)", lambda m: f" C{int(m[1]) + 25}", program), ""),
     ):
         assert damaged != program
-        result = check_program(drawn, damaged, profile)
+        result = checked(drawn, damaged, profile)
         found = [v.text for rule in result.rules if rule.id == "bevels" for v in rule.violations]
         assert any(says in text for text in found), found
-
-
-def test_eia_turns_on_the_spot_in_turns_a_minute() -> None:
-    program = (
-        "G21\nG90\nG40\nM28\nG00 X10 Y10 A30\nG00 C0\nM07\nG01 X20 Y10 F600\nG01 C90 F2.5\nG01 X20 Y20 F600\nM08\nM02\n"
-    )
-    read = read_nc(program, control=replace(CONTROLS["eia"], rotary="AC"))
-    (burn,) = read.burns
-    assert burn.axes == ((30, 0), (30, 0), (30, 90), (30, 90))
-    assert burn.end_s - burn.start_s == pytest.approx(1 + 6 + 1)  # a quarter of a turn at 2.5 a minute takes 6 s
 
 
 def test_eia_does_not_tilt_while_it_turns(tmp_path: Path) -> None:
@@ -323,7 +300,7 @@ def test_a_drawing_has_bevels_by_layer_and_colour(tmp_path: Path) -> None:
         + "drawing: {layers: {bevel: {'^V45$': V 45 bottom, red: Y 30 land 4}}}\ncuts: {bevel: {}}\n"
     )
     profile = load_profile(tmp_path / "plant.yaml")
-    nest = read_nest(tmp_path / "plate.dxf", profile.read_options())
+    nest = read_nest(tmp_path / "plate.dxf", profile)
     assert {c.id: str(c.bevel) for c in nest.contours if c.bevel} == {
         "P1.hole1": "Y 30 land 4 top",
         "P1.outer": "V 45 bottom",
@@ -334,55 +311,6 @@ def test_a_drawing_has_bevels_by_layer_and_colour(tmp_path: Path) -> None:
     assert done.code == 2
     assert "a bevel's angle is 95" in done.err
     assert "plant.yaml:4:" in done.err
-
-
-def test_a_drawing_has_bevels_on_single_edges(tmp_path: Path) -> None:
-    drawing = ezdxf.new()
-    drawing.header["$INSUNITS"] = 4
-    space = drawing.modelspace()
-    corners = [(100, 100), (220, 100), (220, 180), (100, 180)]
-    layers = ["V45", "0", "0", "0"]
-    for k, layer in enumerate(layers):
-        space.add_line(corners[k], corners[(k + 1) % 4], dxfattribs={"layer": layer, "color": 1 if k == 2 else 256})
-    for k in range(4):  # all of one layer: the whole contour
-        space.add_line(*[(x + 200, y) for x, y in (corners[k], corners[(k + 1) % 4])], dxfattribs={"layer": "V45"})
-    drawing.saveas(tmp_path / "plate.dxf")
-    (tmp_path / "plant.yaml").write_text(
-        PLANT.format("plasma-carbon-steel")
-        + "drawing: {layers: {bevel: {'^V45$': V 45 bottom, red: Y 30 land 4}}}\ncuts: {bevel: {}}\n"
-    )
-    options = load_profile(tmp_path / "plant.yaml").read_options()
-    nest = read_nest(tmp_path / "plate.dxf", options)
-    found = {
-        c.id: {s.start: str(b) for s, b in zip(c.curve.segments, c.bevel_of_edge, strict=True) if b}
-        for c in nest.contours
-    }
-    assert {tuple(map(round, at)) for at in found["P1.outer"]} == {(100, 100), (220, 180)}
-    assert sorted(found["P1.outer"].values()) == ["V 45 bottom", "Y 30 land 4 top"]
-    assert str(nest.contours[1].bevel) == "V 45 bottom"
-    # written again edge by edge, and as JSON by number
-    (tmp_path / "again.dxf").write_text(nest_dxf(nest))
-    mapped = {"BEVEL_V_45_BOTTOM": "V 45 bottom", "BEVEL_Y_30": "Y 30 land 4"}
-    again = read_nest(
-        tmp_path / "again.dxf", replace(options, bevels=tuple((k, Bevel.parse(v)) for k, v in mapped.items()))
-    )
-    assert [c.bevel_of_edge for c in again.contours] == [c.bevel_of_edge for c in nest.contours]
-    told = json.loads(nest_json(nest))["parts"][0]["bevel"]
-    assert [(row["kind"], row["edges"]) for row in told] == [("V", [1]), ("Y", [3])]
-    (tmp_path / "again.json").write_text(nest_json(nest))
-    assert read_nest(tmp_path / "again.json").contours[0].bevel_of_edge == nest.contours[0].bevel_of_edge
-    over = Placed(0, Pose(0.0, True), 0.0, 0.0).part(nest.parts[0], "M").outer
-    assert [str(b) for b in over.bevel_of_edge if b] == ["V 45 top", "Y 30 land 4 bottom"]
-
-
-def test_parts_of_a_list_keep_their_bevels_turned_over_where_they_are(tmp_path: Path) -> None:
-    nest, _ = write(tmp_path, {"kind": "V", "angle": 30}, HEAD)
-    part = read_nest(nest).parts[0]
-    over = Placed(0, Pose(0.0, True), 0.0, 0.0).part(part, "M")
-    assert str(over.outer.bevel) == "V 30 bottom"
-    told = json.loads(nest_json(Nest(Sheet.rectangle(400, 300), (over,))))
-    assert told["parts"][0]["bevel"] == [{"of": "outer", "kind": "V", "angle": 30, "side": "bottom"}]
-    assert "BEVEL_V_30_BOTTOM" in nest_dxf(Nest(Sheet.rectangle(400, 300), (over,)))
 
 
 def test_a_program_of_bevels_alone_is_timed_and_judged(tmp_path: Path) -> None:
@@ -398,28 +326,6 @@ def test_a_program_of_bevels_alone_is_timed_and_judged(tmp_path: Path) -> None:
     checked = kerfwise("check", nest, program, "-p", plant)
     assert checked.code == 1
     assert "P.outer: no pass that leans by -30 degrees" in checked.out
-
-
-def test_simulations_burn_each_pass_where_its_jet_is_and_as_long_as_it_takes(solved: Path) -> None:
-    profile = load_profile(PROFILE)
-    nest, plan = read_nest(NEST), read_plan(solved / "out.plan.json")
-    path = path_of_made(plan, Inputs(nest, profile), silent, None)
-    passes = {planned.cut.contour: planned.passes for planned in plan.cuts}
-    upright = sum(1 for planned in plan.cuts if not planned.passes)
-    assert len(path.burns) == upright + sum(map(len, passes.values())), "one burn a pass"
-    assert path.seconds_on == pytest.approx(sum(c.cut.end_s - c.cut.start_s for c in plan.cuts), rel=0.1)
-    flange = next(burn for burn in path.burns if burn.contour == "Flange.outer")
-    (one,) = passes["Flange.outer"]
-    (x0, y0), (x1, y1) = nest.contour("Flange.outer").curve.vertices[:2, :2].tolist()
-    for point in flange.xy[5:-5:7].tolist():
-        assert min(shapely.distance(line, shapely.Point(point)) for line in one.lines(10.0)) < 0.05
-    # by hand: 20 mm, V 45: half of 3.394 mm outside the contour at the bottom face, 10 mm further in at half the depth
-    middle = shapely.Point((x0 + x1) / 2, (y0 + y1) / 2)
-    assert shapely.distance(middle, shapely.LineString(flange.xy)) == pytest.approx(10 - 1.697, abs=0.05)
-    for verb in (("heat", "--model", "logical"), ("distort", "--grid", "40")):
-        done = kerfwise(*verb, NEST, solved / "out.plan.json", "-p", PROFILE)
-        assert done.code == 0, done.err
-        assert "upright" not in done.err
 
 
 def test_a_plan_with_bevels_is_not_gone_on_with_after_a_stop(solved: Path) -> None:

@@ -9,11 +9,9 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import read_nest
-from kerfwise.postproc.check import check_program
-from kerfwise.rules.profile.load import load_profile
+from kerfwise import Nest, read_nest
+from kerfwise.rule_kit import Curve
+from kerfwise.tests.checked import checked
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.encoder.test_bridges import A, B, C, bridge
 from kerfwise.tests.metal.simulate import simulate
@@ -70,16 +68,15 @@ def test_a_wrong_union_cannot_hide(tmp_path: Path) -> None:
     assert solve(nest_file(tmp_path, ROWS[:1], "one.json")).code == 0
     text = (tmp_path / "one.nc").read_text(encoding="utf-8")
     sound = read_nest(tmp_path / "one.json")
-    profile = load_profile()
-    assert check_program(sound, text, profile).ok
+    assert checked(sound, text).ok
     rows = sound.contour("A+B.outer").curve.vertices.copy()
     moved = Curve(rows).moved(0.3, 0)
     part = replace(sound.parts[0], outer=replace(sound.parts[0].outer, curve=moved))
     wrong: Nest = replace(sound, parts=(part, *sound.parts[1:]))
-    told = {j.id for j in check_program(wrong, text, profile).rules if j.violations}
+    told = {j.id for j in checked(wrong, text).rules if j.violations}
     assert "bridges" in told
     on_third = replace(sound, bridges=(*sound.bridges, replace(sound.bridges[0], start=(120, 30), end=(250, 30))))
-    told = {j.id for j in check_program(on_third, text, profile).rules if j.violations}
+    told = {j.id for j in checked(on_third, text).rules if j.violations}
     assert "bridges" in told
 
 

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.postproc.dialects import dialect_text
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.postproc.old.programs import REFUSED
 
@@ -163,7 +162,7 @@ def test_broken_references(given: str, place: str, words: str) -> None:
     ],
 )
 def test_broken_dialects(name: str, old: str, new: str, words: str) -> None:
-    text = dialect_text(name)
+    text = kerfwise("dialects", "show", name).out
     assert old in text
     Path("d.yaml").write_text(text.replace(old, new, 1))
     process = "laser" if name == "grbl" else "plasma"

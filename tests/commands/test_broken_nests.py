@@ -6,41 +6,13 @@ import json
 from pathlib import Path
 
 import pytest
-from hypothesis import example, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest, Sheet
-from kerfwise.encoder.readers.drawing import DrawnCurve
-from kerfwise.encoder.readers.nest_from_drawing import assemble
-from kerfwise.encoder.validate import validated
 from kerfwise.tests.commands.run_cli import kerfwise
-from kerfwise.tests.tools.amount import examples
 
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="400mm" height="400mm" viewBox="0 0 400 400">{}</svg>'
 THREE = [(70, 20, 70, 80), (90, 80, 20, 70), (80, 60, 90, 60)]
 tens = st.integers(1, 9).map(lambda k: 10 * k)
-
-
-def crossing(one: Curve, other: Curve) -> bool:
-    a, b = one.polygon(), other.polygon()
-    return min(a.intersection(b).area, a.difference(b).area, b.difference(a).area) > 1
-
-
-@pytest.mark.slow
-@given(st.lists(st.tuples(tens, tens, tens, tens), min_size=2, max_size=6, unique=True))
-@example(THREE)
-@examples(150)
-def test_rectangles_that_overlap_are_refused_in_words(given: list[tuple[int, int, int, int]]) -> None:
-    """No two share an edge: a hole along an edge of its part leaves metal that another ring may miss."""
-    corners = [(x + k, y + k, x + w + k, y + h + k) for k, (x, y, w, h) in enumerate(given)]
-    rings = [Curve.of([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]) for x0, y0, x1, y1 in corners]
-    parts, _ = assemble([DrawnCurve(ring, "cut", k) for k, ring in enumerate(rings)])
-    nest = Nest(Sheet.rectangle(400, 400), parts)
-    if any(crossing(a, b) for k, a in enumerate(rings) for b in rings[:k]):
-        with pytest.raises(InputError, match=r"overlap|reaches out of"):
-            validated(nest)
 
 
 def test_a_drawing_of_three_is_told_and_drawn(tmp_path: Path) -> None:

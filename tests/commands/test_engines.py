@@ -10,32 +10,24 @@ import pytest
 from click.testing import CliRunner
 
 from kerfwise.cli import program
-from kerfwise.commands.engines import command
-from kerfwise.commands.shared_options import EngineChoice
-from kerfwise.models.engines import BUILT_IN, ENGINES, OLD_NAMES
+from kerfwise.tests.commands.run_cli import kerfwise
 
 
 @pytest.mark.minizinc
 def test_the_solvers_of_minizinc_are_listed() -> None:
-    result = CliRunner().invoke(command)
-    assert result.exit_code == 0
-    first, *others = result.output.splitlines()
+    result = kerfwise("engines")
+    assert result.code == 0
+    first, *others = result.out.splitlines()
     assert first.split()[0] == "portfolio"
     assert "old name cp-sat" in first
-    assert any(line.split()[:3] == ["minizinc", "--solver", "gecode"] for line in others), result.output
+    assert any(line.split()[:3] == ["minizinc", "--solver", "gecode"] for line in others), result.out
 
 
 def test_without_minizinc_it_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(minizinc, "default_driver", None)
-    result = CliRunner().invoke(command)
-    assert result.exit_code == 0
-    assert "apt-get install minizinc" in result.output
-
-
-def test_the_old_name_is_read_as_the_new_one() -> None:
-    assert EngineChoice().convert("cp-sat", None, None) == "portfolio"
-    assert EngineChoice(BUILT_IN).convert("cp-sat-alone", None, None) == "cp-sat-alone"
-    assert not OLD_NAMES.keys() & ENGINES.keys()
+    result = kerfwise("engines")
+    assert result.code == 0
+    assert "apt-get install minizinc" in result.out
 
 
 @pytest.mark.parametrize("named", [(), ("--engine", "cp-sat"), ("--engine", "portfolio")])

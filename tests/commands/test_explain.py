@@ -9,27 +9,17 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
-from kerfwise.commands.solve import print_conflict
-from kerfwise.encoder.errors import RulesConflict
-from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.request import NoPlan, facts_of, options_for
-from kerfwise.pipeline import plan_nest
-from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rule_kit import rect
 from kerfwise.tests.commands.run_cli import kerfwise
-from kerfwise.tests.models.solved import plant, proven_plan
+from kerfwise.tests.nest_file import nest_file
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
-PLATE = nest(300, 100, part("P1", rect(10, 10, 80, 80)), part("P2", rect(110, 10, 80, 80)))
 
 
 @pytest.fixture(scope="module")
 def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("plan") / "plan.json"
-    _, _, made = proven_plan(read_nest(NEST), load_profile())
-    path.write_text(made.to_json())
+    path.write_text(package.solve(NEST, work=2).plan.to_json())
     return path
 
 
@@ -56,31 +46,24 @@ def test_explain_of_an_unknown_contour(plan: Path) -> None:
     assert told.out == ""
 
 
-def test_a_conflict_is_told_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    profile = plant(Lock(contour="P2.outer", before="P1.outer"), Lock(contour="P1.outer", position=1))
-    picture = tmp_path / "plate.conflict.svg"
-    with pytest.raises(NoPlan) as found:
-        plan_nest(Inputs(PLATE, profile), options_for(PLATE, profile, work=1.0))
-    assert print_conflict(found.value, picture) == 1
-    said = capsys.readouterr().err.splitlines()
-    assert said == [
+def test_a_conflict_is_told_and_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    sides = [{"id": f"P{k}", "outer": rect(100 * k - 90, 10, 80, 80)} for k in (1, 2)]
+    nest_file("plate.json", sides, (300, 100))
+    locks = ("--lock", "P2.outer before P1.outer", "--lock", "P1.outer first")
+    ended = kerfwise("solve", "plate.json", "--work", 1, *locks)
+    assert (ended.code, ended.out) == (1, "")
+    assert ended.err.splitlines() == [
         "kerfwise: these hard rules cannot all hold; without any one of them the others can:",
-        "  - locks: P2.outer is cut before P1.outer: locked by the operator",
-        "  - locks: P1.outer is cut before P2.outer: P1.outer is first, locked by the operator",
+        "  - locks: P2.outer is cut before P1.outer: locked by the operator (--lock 'P2.outer before P1.outer')",
+        "  - locks: P1.outer is cut before P2.outer: P1.outer is first, locked by the operator "
+        "(--lock 'P1.outer first')",
         "the cheapest way out:",
-        "  relax locks: 1 statement about P1.outer, P2.outer",
+        "  relax locks: 1 statement about P2.outer, P1.outer",
         "--relax takes this way out, and says so in the plan and in the program",
-        f"the contours in conflict: {picture}",
+        "the contours in conflict: plate.conflict.svg",
     ]
-    assert "in conflict: locks" in picture.read_text()
-
-
-def test_without_a_contradiction_the_error_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    profile = plant()
-    picture = tmp_path / "none.svg"
-    assert print_conflict(NoPlan(RulesConflict("none was found"), facts_of(PLATE, profile), profile), picture) == 1
-    assert capsys.readouterr().err == "kerfwise: none was found\n"
-    assert not picture.exists()
+    assert "in conflict: locks" in Path("plate.conflict.svg").read_text()
 
 
 def test_a_wait_is_told_with_its_reason(plan: Path, tmp_path: Path) -> None:

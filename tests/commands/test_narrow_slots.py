@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from kerfwise.postproc.report.scene import ACROSS
-from kerfwise.rules.profile.load import load_profile, shipped_profiles
+from kerfwise import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.paper import pages_of
+from kerfwise.tests.tools.shipped import PROFILES
 
 PROFILE = Path(__file__).parents[2] / "examples" / "profiles" / "narrow-slots.yaml"
 Row = list[list[float]]
@@ -147,7 +147,7 @@ def test_bend_reliefs_are_cut_straight_across_and_listed(tmp_path: Path) -> None
     assert [left, right, one, other] == pytest.approx([30, 130, 60.5, 60.5], abs=0.1)
     drawn = tmp_path / "nest.svg"
     assert kerfwise("plot", nest, plan, "-o", drawn).code == 0
-    assert drawn.read_text(encoding="utf-8").count(ACROSS) == 2  # those of the layer, and of the key
+    assert drawn.read_text(encoding="utf-8").count("#e8590c") == 2  # those of the layer, and of the key
     paper = tmp_path / "sheet.pdf"
     assert kerfwise("sheet", nest, plan, "--program", out, "-o", paper).code == 0
     assert "2 slots narrower than the kerf (crosses): A.outer at (" in pages_of(paper)[0].text
@@ -167,7 +167,7 @@ GUSSET = {"id": "gusset", "outer": [[30, 30], [230, 30], [230, 60], [60, 180], [
           "holes": [[[60, 60], [150, 60], [60, 150]]]}  # fmt: skip
 
 
-@pytest.mark.parametrize("profile", shipped_profiles())
+@pytest.mark.parametrize("profile", PROFILES)
 def test_a_triangular_window_is_cut_by_every_profile(tmp_path: Path, profile: str) -> None:
     """Its corners of 45° keep what a round kerf leaves: that is told, and no fault."""
     nest = nest_file(tmp_path, [GUSSET])

@@ -8,12 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.errors import RulesConflict
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs.request import NoPlan, facts_of, ways_on
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 
 WORK = r"\n  try: (--work [\d.]+), which counts work and not the clock"
@@ -81,19 +76,3 @@ def test_all_engines_find_what_one_does_not(base: tuple[object, ...]) -> None:
     assert "\n  tried: the engine cp-sat-alone for work 0.001" in done.err
     assert advised(done, ENGINE) == ["--engine"]
     assert kerfwise(*base, *advised(done, WORK)).code == 0
-
-
-def test_where_no_plan_exists_nothing_but_relaxing_is_advised() -> None:
-    profile = load_profile()
-    facts = facts_of(nest(100, 100, part("A", rect(10, 10, 80, 80))), profile)
-    for relaxed, advice in (
-        (False, ["try: --relax (in Python relax=True), which lets the cheapest hard rules"]),
-        (True, []),
-    ):
-        why = RulesConflict("no plan meets every hard rule", ("A.outer is out early",), proven=True)
-        ways = ways_on(SolveOptions(work=0.1), "portfolio", relaxed, why.proven)
-        told = str(NoPlan(why, facts, profile, within_limit=False, ways=ways))
-        assert "A.outer is out early" in told
-        assert "note: how few of the hard rules contradict each other was not shown within the limit" in told
-        assert re.findall(r"try: --relax .* hard rules", told) == advice
-        assert "--work" not in told

@@ -101,10 +101,7 @@ def test_a_closed_stream_gives_its_number_to_no_file(tmp_path: Path) -> None:
 
 
 def test_every_file_that_is_read_is_kept(tmp_path: Path) -> None:
-    from kerfwise.postproc.dialects import dialect
-
-    shipped = Path(dialect.__file__).parent / "linuxcnc-qtplasmac.yaml"
-    (tmp_path / "control.yaml").write_text(shipped.read_text())
+    (tmp_path / "control.yaml").write_text(kerfwise("dialects", "show", "linuxcnc-qtplasmac").out)
     (tmp_path / "far.yaml").write_text("based_on: plasma-carbon-steel\n")
     (tmp_path / "near.yaml").write_text("based_on: far.yaml\nname: near\n")
     (tmp_path / "rule.mzn").write_text("constraint true;\n")

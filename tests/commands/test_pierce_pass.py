@@ -12,11 +12,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.simulation import path_of_plan, path_of_program
-from kerfwise.models.plan.read_plan import read_plan
-from kerfwise.postproc.clock import job_of_plan, job_of_program, read_program
-from kerfwise.rules.profile.load import load_profile
+from kerfwise import load_profile, read_nest, read_plan
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
@@ -110,23 +106,6 @@ def test_order_and_leads_are_those_without_it(tmp_path: Path) -> None:
     assert [[cut[key] for key in keys] for cut in plan["cuts"]] == [[cut[key] for key in keys] for cut in plain["cuts"]]
     assert plan["totals"]["pierces"] == plain["totals"]["pierces"]
     assert plan["totals"]["idle_mm"] > plain["totals"]["idle_mm"]
-
-
-def test_clock_and_heat_of_plan_and_program_agree(tmp_path: Path) -> None:
-    nest, plan, text = planned(tmp_path, TWO_ZONES)
-    profile = load_profile(tmp_path / "plant.yaml")
-    sheet, made = read_nest(nest), read_plan(tmp_path / "nest.plan.json")
-    program = read_program(text, sheet, profile)
-    one, other = job_of_plan(made, sheet, profile), job_of_program(program, sheet, profile)
-    assert (one.pierces, one.nc_blocks) == (other.pierces, other.nc_blocks) == (len(HOLES), other.nc_blocks)
-    assert one.idle_mm == pytest.approx(other.idle_mm, abs=0.01)
-    timed = kerfwise("time", nest, tmp_path / "nest.nc", "-p", tmp_path / "plant.yaml", "--json")
-    assert timed.err == ""
-    times = json.loads(timed.out)
-    assert times["total_s"] == pytest.approx(plan["totals"]["time_s"], abs=0.05)
-    by_plan, by_program = path_of_plan(made, sheet, profile).seconds_on, path_of_program(program).seconds_on
-    assert by_plan == pytest.approx(by_program, abs=0.05)
-    assert by_plan == pytest.approx(plan["time"]["cut_s"] + plan["time"]["pierce_s"] - _marks_s(plan), abs=0.05)
 
 
 def _marks_s(plan: dict[str, Any]) -> float:

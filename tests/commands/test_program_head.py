@@ -7,9 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.apps.nesting.placement.layout import nest_dxf
-from kerfwise.encoder.readers import read_nest
-from kerfwise.rules.plan_state import Place, PlanState
 from kerfwise.tests.commands.run_cli import kerfwise
 
 JOB = "order: A-17\ndue: 2026-12-24\ndate: 2026-12-01\nnumber: 4711\n"
@@ -77,25 +74,3 @@ def test_dates_that_change_nothing_are_noted(said: dict[str, dict[str, object]],
     assert (noted in done.err, told in done.err) == (True, bool(noted))
     done = kerfwise("solve", nest, "--work", "0.1", "-o", tmp_path / "out.nc", "--set", "objective.completion=1")
     assert told not in done.err
-
-
-def test_the_operator_is_told_in_words_of_the_shop() -> None:
-    place = Place("excused", "part-rigidity", ("P3.outer",), "thin")
-    told = [PlanState("kept").for_operator(), PlanState.of([place]).for_operator(), PlanState("broken").for_operator()]
-    assert told == [
-        "kept: cut it as the program says",
-        "kept but for 1 place: metal may move or tip there, stand by when these are cut: P3.outer",
-        "broken: do not cut this sheet",
-    ]
-
-
-def test_a_drawing_of_a_nest_carries_orders(tmp_path: Path) -> None:
-    said = {"A": {"order": "A-17", "due": "2026-12-24", "of": "bracket"}, "B": {"order": "B 4"}}
-    nest = read_nest(plate(tmp_path, **said))
-    (tmp_path / "again.dxf").write_text(nest_dxf(nest), encoding="utf-8")
-    again = read_nest(tmp_path / "again.dxf")
-    assert sorted(c.kind for c in again.contours) == ["outer", "outer"]
-    found = {part.attributes.get("order"): part.attributes for part in again.parts}
-    assert found.keys() == {"A-17", "B 4"}
-    assert found["A-17"]["due"] == "2026-12-24"
-    assert found["A-17"]["of"] == "bracket"

@@ -12,11 +12,9 @@ import yaml
 from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.request import facts_of
-from kerfwise.rules.case import circle, rect
-from kerfwise.rules.profile.load import load_profile
+import kerfwise as package
+from kerfwise import InputError, load_profile, read_nest
+from kerfwise.rule_kit import circle, rect
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.tools.amount import examples
 
@@ -195,7 +193,7 @@ def refused(nest: Path, profile: Path) -> str | None:
     """Why a nest cannot be cut by a profile, None if it can."""
     plant = load_profile(profile)
     try:
-        facts_of(read_nest(nest, plant.read_options()), plant)
+        package.facts(read_nest(nest, plant), plant)
     except InputError as error:
         return str(error)
     return None

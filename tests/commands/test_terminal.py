@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.jobs.nest_job.job import read_job
+from kerfwise import read_job
 from kerfwise.tests.encoder.readers.drawings import save_dxf
 from kerfwise.tests.encoder.readers.test_frame import framed
 

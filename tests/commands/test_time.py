@@ -8,12 +8,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
-from kerfwise.encoder.readers import read_nest
-from kerfwise.postproc.clock import with_times
-from kerfwise.postproc.nc.program import write_program
-from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
-from kerfwise.tests.models.solved import proven_plan
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
 LASER = "laser-amg3m-1mm"
@@ -24,11 +19,9 @@ KEYS = ["cut_s", "idle_s", "pierce_s", "total_s", "idle_share", "nc_blocks"]
 def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """A plan of the nest by the laser's profile, and its program."""
     folder = tmp_path_factory.mktemp("timed")
-    nest, plant = read_nest(NEST), load_profile(LASER)
-    _, _, made = proven_plan(nest, plant)
-    made = with_times(made, nest, plant)
-    (folder / "plan.json").write_text(made.to_json())
-    (folder / "plan.nc").write_text(write_program(made, nest, plant))
+    made = package.solve(NEST, LASER, work=2)
+    (folder / "plan.json").write_text(made.plan.to_json())
+    (folder / "plan.nc").write_text(made.program)
     return folder / "plan.json", folder / "plan.nc"
 
 

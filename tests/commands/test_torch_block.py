@@ -10,9 +10,8 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.readers.read import read_nest
-from kerfwise.postproc.check.check import check_program
-from kerfwise.rules.profile.load import load_profile
+from kerfwise import load_profile, read_nest
+from kerfwise.tests.checked import checked
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.metal.layers import simulate_layers
 from kerfwise.tests.tools.canon import run
@@ -49,7 +48,7 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, str, A
 
 def bevels_of(nest: Path, plant: Path, program: str) -> list[str]:
     profile = load_profile(plant)
-    result = check_program(read_nest(nest, profile.read_options()), program, profile)
+    result = checked(read_nest(nest, profile), program, profile)
     return [v.text for rule in result.rules if rule.id == "bevels" for v in rule.violations]
 
 
@@ -72,7 +71,7 @@ def test_three_torches_cut_a_k_in_one_round(solved: tuple[Path, Path, str, Any])
     assert f"F{2500 * math.cos(math.radians(30)):.3f}" in program  # the slowest of the three
     assert bevels_of(nest, plant, program) == []
     profile = load_profile(plant)
-    assert simulate_layers(read_nest(nest, profile.read_options()), program, profile) == []
+    assert simulate_layers(read_nest(nest, profile), program, profile) == []
     checked = kerfwise("check", nest, nest.parent / "out.plan.json", "-p", plant)
     assert checked.code == 0, checked.out
     times = [kerfwise("time", nest, nest.parent / made, "-p", plant) for made in ("out.nc", "out.plan.json")]
@@ -123,7 +122,7 @@ def test_a_damaged_program_is_refused(
     assert any(says in text for text in found), found
     if burns:
         profile = load_profile(plant)
-        assert simulate_layers(read_nest(nest, profile.read_options()), damaged, profile)
+        assert simulate_layers(read_nest(nest, profile), damaged, profile)
 
 
 ROUND = [[300, 300], [500, 300, 0.4], [500, 420], [300, 420]]

@@ -8,12 +8,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
-from kerfwise.encoder.readers import read_nest
-from kerfwise.postproc.clock import with_times
-from kerfwise.postproc.nc.program import write_program
-from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
-from kerfwise.tests.models.solved import proven_plan
 
 NESTS = Path(package.__file__).parent / "examples" / "nests"
 NEST, OTHER = NESTS / "e1x_6.json", NESTS / "plate40.json"
@@ -34,9 +29,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, made: tuple[str, str
 
 @pytest.fixture(scope="module")
 def made() -> tuple[str, str]:
-    nest, plant = read_nest(NEST), load_profile()
-    plan = with_times(proven_plan(nest, plant)[2], nest, plant)
-    return plan.to_json(), write_program(plan, nest, plant)
+    found = package.solve(NEST, work=2)
+    return found.plan.to_json(), found.program
 
 
 def refused(expected: str, verb: str, *argv: object) -> None:

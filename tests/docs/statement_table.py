@@ -11,7 +11,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise import InputError, RulesConflict
 from kerfwise.models.engines import ENGINES, Engine, member_of
 from kerfwise.models.engines.minizinc_engine import solve_minizinc
 from kerfwise.models.engines.solution import SolveOptions

@@ -10,7 +10,7 @@ import pytest
 
 import kerfwise
 from kerfwise import rule_kit
-from kerfwise.rules.pages import new_outside_rule
+from kerfwise.tests.commands.run_cli import kerfwise as command_line
 from kerfwise.tests.docs.rule_kit_page import page
 from kerfwise.tests.rules.outside.written import RULE
 
@@ -33,8 +33,10 @@ def test_the_page_is_current() -> None:
     assert (ROOT / "docs" / "rule-kit.md").read_text(encoding="utf-8") == page(), again
 
 
-def test_a_new_rule_imports_nothing_else(tmp_path: Path) -> None:
-    path = new_outside_rule("long-parts-last", "python", tmp_path)
+def test_a_new_rule_imports_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert command_line("rules", "new", "long-parts-last", "--python").code == 0
+    (path,) = tmp_path.glob("*.py")
     assert imported(path.read_text(encoding="utf-8")) == {"kerfwise.rule_kit"}
     assert imported(RULE) == {"kerfwise.rule_kit"}
 

@@ -7,11 +7,13 @@ import re
 import numpy as np
 import pytest
 
+from kerfwise.postproc.check.torch_run import SENTENCES
 from kerfwise.postproc.report.rule_pictures import case_picture, rule_panels
 from kerfwise.rules.case import wrong_and_right
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.run_cases import cases_of
 from kerfwise.tests.docs.rule_pictures import FOLDER, pictures
+from kerfwise.tests.docs.test_safety_page import _NAME, promises
 
 _LAYER = re.compile(r'<g id="([a-z]+)-1">\n(.*?)</g>\n(?=<g id|</svg>)', re.DOTALL)
 
@@ -66,3 +68,9 @@ def test_start_side_tails_tabs_and_heat_are_drawn() -> None:
     wrong, right = layers("t-max")
     assert ">131 °C<" in wrong["heat"]
     assert ">90 °C<" in right["heat"]
+
+
+def test_every_rule_is_one_that_the_check_judges() -> None:
+    rules = {name for _, _, names, _ in promises() for name in _NAME.findall(names)}
+    assert rules <= {*SENTENCES, *RULES}
+    assert all(_NAME.findall(names) for _, _, names, _ in promises())

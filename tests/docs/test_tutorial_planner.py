@@ -17,10 +17,8 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
-from kerfwise.encoder.files import read_limited
-from kerfwise.encoder.readers import read_nest
+from kerfwise import load_profile, read_nest
 from kerfwise.examples import gen_morning
-from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
@@ -83,7 +81,7 @@ def walk() -> Iterator[tuple[str, str, str]]:
 
 
 def of_batch() -> dict[str, bytes]:
-    return {str(path): read_limited(path) for path in Path("out").rglob("*") if path.is_file()}
+    return {str(path): path.read_bytes() for path in Path("out").rglob("*") if path.is_file()}
 
 
 def burnt(name: str) -> list[str]:
@@ -123,7 +121,7 @@ def test_the_script_is_run_as_a_reader_does(tmp_path: Path, capsys: pytest.Captu
 def test_the_drawings_are_the_same_each_time(tmp_path: Path) -> None:
     for folder in ("a", "b"):
         gen_morning.draw(tmp_path / folder)
-    assert all(read_limited(path) == read_limited(tmp_path / "b" / path.name) for path in (tmp_path / "a").iterdir())
+    assert all(path.read_bytes() == (tmp_path / "b" / path.name).read_bytes() for path in (tmp_path / "a").iterdir())
 
 
 @pytest.mark.parametrize(
@@ -146,4 +144,4 @@ if __name__ == "__main__":
         os.chdir(folder)
         for _, _, said in walk():
             print(said, end="")
-        PICTURE.write_bytes(read_limited(Path("both.svg")))
+        PICTURE.write_bytes(Path("both.svg").read_bytes())

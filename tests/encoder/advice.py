@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kerfwise.rules.case import circle, rect
+from kerfwise.rule_kit import circle, rect
 from kerfwise.tests.encoder.readers.drawings import lines, save_dxf, sheet, square
 
 Write = Callable[[Path], Path]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from kerfwise.rules.case import circle, rect
+from kerfwise.rule_kit import circle, rect
 from kerfwise.tests.encoder.advice import LASER, A, Advice, Do, Words, Write, drawn, dxf, given, part, parts
 from kerfwise.tests.encoder.readers.drawings import lines, sheet, square
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Kind
-from kerfwise.rules.case import Rows, circle
+from kerfwise.rule_kit import Contour, Curve, Kind, circle
+from kerfwise.rules.case import Rows
 
 KERF_MM = 1.5
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +14,8 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.bridges import with_bridges
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Bridge, Nest
-from kerfwise.encoder.readers import read_nest
-from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise import InputError, Nest, read_nest
+from kerfwise.rule_kit import Curve, circle, rect
 from kerfwise.tests.tools.amount import examples
 
 A = {"id": "A", "outer": [[20, 20], [120, 20], [120, 120], [20, 120]], "holes": [[[50, 70, 1], [80, 70, 1]]]}
@@ -164,19 +161,23 @@ def test_the_area_is_that_of_the_union(
         circle(-40, 0, 40) if round_one else rect(-80, -40, 80, 80),
         circle(gap + 40, 0, 40) if round_other else rect(gap, -40, 80, 80),
     )
-    one, other = (part(name, [at(*row) for row in rows]) for name, rows in zip("AB", shapes, strict=True))
-    row = Bridge(("A", "B"), at(-deep, shift)[:2], at(gap + deep, shift)[:2], width, 1)
-    plate = replace(nest(1000, 1000, one, other), bridges=(row,))
+    rings = [[at(*row) for row in rows] for rows in shapes]
+    start, end = at(-deep, shift), at(gap + deep, shift)
+    drawn = [{"id": name, "outer": ring} for name, ring in zip("AB", rings, strict=True)]
+    joined = [bridge("A", "B", list(start), list(end), width)]
     try:
-        made = with_bridges(plate).contours[0].curve
+        with tempfile.TemporaryDirectory() as folder:
+            plate = read(Path(folder), drawn, joined, sheet={"width": 1000, "height": 1000})
+        made = plate.contours[0].curve
     except InputError as refused:
-        assert any(word in refused.message for word in ("wider than part", "does not reach"))  # noqa: PT017 - a round part that the strip does not reach far enough
+        assert any(word in str(refused) for word in ("wider than part", "does not reach"))  # noqa: PT017 - a round part that the strip does not reach far enough
         return
-    areas = [p.outer.curve.polygon(1e-5) for p in (one, other)]
-    meant = shapely.union_all([*areas, row.strip])
+    areas = [Curve.of(ring).polygon(1e-5) for ring in rings]
+    strip = shapely.buffer(shapely.LineString([start, end]), width / 2, cap_style="flat")
+    meant = shapely.union_all([*areas, strip])
     assert made.signed_area_mm2 == pytest.approx(meant.area, rel=1e-6)
     inside = made.polygon(1e-5)
-    assert all(shapely.covers(shapely.buffer(inside, 1e-3), area) for area in (*areas, row.strip))
+    assert all(shapely.covers(shapely.buffer(inside, 1e-3), area) for area in (*areas, strip))
     assert sum(s.is_arc for s in made.segments) >= round_one + round_other
 
 

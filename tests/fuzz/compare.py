@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from kerfwise.encoder.errors import InputError
+from kerfwise import InputError
 from kerfwise.jobs.inputs import decoded
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import NcProgram

@@ -9,18 +9,13 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import read_nest
+from kerfwise import CheckResult, Nest, Plan, Profile, load_profile, read_nest
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.plan_without_zones import searched
-from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.jobs.request import make_request, options_for
 from kerfwise.jobs.resume import lock_broken_cut_first, stopped_plan
-from kerfwise.models.plan.plan import Plan
 from kerfwise.pipeline import plan_of, solve_and_verify
-from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.verdict.check_plan import check_plan
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
@@ -40,7 +35,9 @@ def profile(tmp_path: Path, zones: str) -> Profile:
 
 
 def planned(nest: Nest, plant: Profile, work: float) -> Plan:
-    return solve_and_verify(make_request(facts_of(nest, plant), plant), plant, options_for(nest, plant, work=work)).plan
+    return solve_and_verify(
+        make_request(package.facts(nest, plant), plant), plant, options_for(nest, plant, work=work)
+    ).plan
 
 
 def expect_redone(nest: Nest, old: Plan, plant: Profile, upto: int) -> None:
@@ -48,7 +45,7 @@ def expect_redone(nest: Nest, old: Plan, plant: Profile, upto: int) -> None:
     already = stopped_plan(old, nest, upto, redo_last=True)
     locked = lock_broken_cut_first(plant, already)
     found = solve_and_verify(
-        make_request(facts_of(nest, locked, already), locked), locked, options_for(nest, locked, work=0.1)
+        make_request(package.facts(nest, locked, already), locked), locked, options_for(nest, locked, work=0.1)
     )
     expect_in_step(found.plan, found.verdict, old, upto)
 
@@ -79,14 +76,14 @@ def test_every_stop_of_300_contours_whose_zones_have_moved(tmp_path: Path) -> No
     path = tmp_path / "g300.json"
     path.write_text(json.dumps(make_sheet(11, 280, (6000.0, 2500.0), 12.0)), encoding="utf-8")
     nest, plant = read_nest(path), load_profile()
-    asked = make_request(facts_of(nest, plant), plant)
+    asked = make_request(package.facts(nest, plant), plant)
     old = solve_and_verify(asked, plant, options_for(nest, plant, work=1), move_zones=True).plan
     zones = [asked.facts.zone[nest.index[row.cut.contour]] for row in old.cuts]
     assert zones != sorted(zones)  # they have moved
     for upto in range(1, len(old.cuts) + 1):
         already = stopped_plan(old, nest, upto, redo_last=True)
         locked = lock_broken_cut_first(plant, already)
-        request = make_request(facts_of(nest, locked, already), locked)
+        request = make_request(package.facts(nest, locked, already), locked)
         limits = options_for(nest, locked, work=0.01)
         found = searched(request.facts, request.stated, locked, (), limits, moves=False)
         assert found is not None, upto

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.identical_parts import copies_of
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.pipeline import VerifiedPlan, solve_and_verify
-from kerfwise.postproc.verdict.check_plan import check_plan, check_program
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
+import kerfwise
+from kerfwise import InputError, Nest, Profile, Result, load_profile, read_nest
+from kerfwise.tests.checked import checked
 from kerfwise.tests.commands.test_torches import STEP, nest_file, part, plant_file
 from kerfwise.tests.metal.plant import plant, tabs_of
 from kerfwise.tests.metal.simulate import by_kind, simulate
@@ -26,30 +21,29 @@ TABS = "rules: {hold-small-parts: {strength: hard, tabs: all, width: 0.5 mm, cor
 LASER = "machine: {process: laser, dialect: linuxcnc, torches: {count: 2, spacing: 150 mm}}\n"
 
 
-def made(folder: Path, text: str) -> tuple[Nest, Profile, VerifiedPlan]:
+def made(folder: Path, text: str) -> tuple[Nest, Profile, Result]:
     """The nest, the profile and a plan that both judges find nothing wrong with."""
     plant_file(folder, text=text)
     profile = load_profile(folder / "plant.yaml")
-    sheet = read_nest(nest_file(folder), profile.read_options())
+    sheet = read_nest(nest_file(folder), profile)
     found = planned_of(sheet, profile)
-    assert check_program(sheet, found.program, profile).ok
-    assert check_plan(sheet, found.plan, profile).ok
+    assert checked(sheet, found.program, profile).ok
+    assert kerfwise.check(sheet, found.plan, profile).ok
     assert burnt(sheet, profile, found, found.program) == {}
     return sheet, profile, found
 
 
-def planned_of(sheet: Nest, profile: Profile) -> VerifiedPlan:
-    limits = options_for(profile.as_cut(sheet), profile, work=0.5)
-    found = solve_and_verify(make_request(facts_of(sheet, profile), profile), profile, limits)
+def planned_of(sheet: Nest, profile: Profile, work: float = 0.5) -> Result:
+    found = kerfwise.solve(sheet, profile, work=work)
     assert found.verdict.ok, found.verdict.broken()
     return found
 
 
-def burnt(sheet: Nest, profile: Profile, found: VerifiedPlan, program: str) -> dict[str, int]:
+def burnt(sheet: Nest, profile: Profile, found: Result, program: str) -> dict[str, int]:
     return by_kind(simulate(profile.as_cut(sheet), program, **plant(profile), tabs=tabs_of(found.plan)))
 
 
-def together(found: VerifiedPlan) -> dict[str, str]:
+def together(found: Result) -> dict[str, str]:
     return {planned.cut.contour: planned.cut.together for planned in found.plan.cuts if planned.cut.torch > 1}
 
 
@@ -67,7 +61,7 @@ def test_scrap_lines_are_cut_by_the_first_torch_alone(tmp_path: Path) -> None:
     head, tail = found.program.split(f" {lines[0].cut.contour} ZONE", 1)
     lit = head.rindex("M65 P1")
     both = f"{head[:lit]}M64 P1{head[lit + 6 :]} {lines[0].cut.contour} ZONE{tail}"
-    assert not check_program(sheet, both, profile).ok
+    assert not checked(sheet, both, profile).ok
 
 
 @pytest.mark.linuxcnc
@@ -79,7 +73,7 @@ def test_copies_have_the_same_tabs(tmp_path: Path, process: str) -> None:
         text = f"based_on: laser-st10kp-2mm\n{LASER}{TABS}"
         (tmp_path / "plant.yaml").write_text(text, encoding="utf-8")
     profile = load_profile(tmp_path / "plant.yaml")
-    sheet = read_nest(nest_file(tmp_path), profile.read_options())
+    sheet = read_nest(nest_file(tmp_path), profile)
     found = planned_of(sheet, profile)
     assert burnt(sheet, profile, found, found.program) == {}
     cuts = {planned.cut.contour: planned.cut for planned in found.plan.cuts}
@@ -102,7 +96,7 @@ def test_a_tab_that_only_a_second_torch_leaves_out_is_missed(tmp_path: Path) -> 
     assert joined.lead_in is not None
     x, y = joined.lead_in.end
     closed = "\n".join([*rows[:off], f"G1 X{x:.4f} Y{y:.4f}", *rows[off:]])
-    judged = check_program(sheet, closed, profile)
+    judged = checked(sheet, closed, profile)
     assert "hold-small-parts" in judged.broken()
     names = {name for j in judged.rules for v in j.violations if j.id == "hold-small-parts" for name in v.contours}
     assert {"A.outer", "C.outer"} <= names
@@ -148,7 +142,7 @@ def movable(folder: Path, least: float, most: float, parts: list[dict[str, Any]]
     text = f"based_on: plasma-carbon-steel\nmachine: {{dialect: linuxcnc, torches: {torches}}}\n"
     (folder / "plant.yaml").write_text(text, encoding="utf-8")
     profile = load_profile(folder / "plant.yaml")
-    return read_nest(nest_file(folder, parts, sheet={"width": 360, "height": 600}), profile.read_options()), profile
+    return read_nest(nest_file(folder, parts, sheet={"width": 360, "height": 600}), profile), profile
 
 
 @pytest.mark.parametrize(("least", "most", "spacing"), [(100, 300, 130), (200, 300, 260), (300, 450, 390)])
@@ -160,8 +154,8 @@ def test_torches_that_can_be_moved_stand_where_fewest_cuts_are_left(
     found = planned_of(sheet, profile)
     assert f"(TORCHES 2, {spacing} MM APART ALONG Y)" in found.program
     assert len(together(found)) == (2 if spacing == 390 else 4)
-    assert check_program(sheet, found.program, profile).ok
-    assert check_plan(sheet, found.plan, profile).ok
+    assert checked(sheet, found.program, profile).ok
+    assert kerfwise.check(sheet, found.plan, profile).ok
     assert burnt(sheet, profile.at_spacing(spacing), found, found.program) == {}
 
 
@@ -171,9 +165,11 @@ def test_no_spacing_leaves_fewer_cuts(tmp_path: Path) -> None:
     chosen = planned_of(sheet, profile).plan.sequence().spacing_mm("y")
     fewest = {}
     for mm in (130, 190, 200, 260, 330, 450):
-        step = (0.0, float(mm))
-        fewest[mm] = sum(len(row) - 1 for row in copies_of(sheet, step, 2))
+        alone, at = movable(tmp_path, mm, mm, [*ROWS[:5], part("Q", 20, 480)])
+        with contextlib.suppress(InputError):  # no two parts are so far apart
+            fewest[mm] = len(together(planned_of(alone, at, work=0.05)))
     assert chosen is not None
+    assert len(fewest) > 2
     assert fewest[int(chosen)] == max(fewest.values())
 
 
@@ -182,18 +178,18 @@ def test_a_program_for_torches_out_of_reach_is_found(tmp_path: Path) -> None:
     found = planned_of(sheet, profile)
     for told, broken in (("260", {"every-contour-once"}), ("330", {"torches"})):
         other = found.program.replace("(TORCHES 2, 130 MM", f"(TORCHES 2, {told} MM")
-        judged = check_program(sheet, other, profile)
+        judged = checked(sheet, other, profile)
         assert broken <= set(judged.broken())
     texts = [v.text for j in judged.rules if j.id == "torches" for v in j.violations]
     assert texts == ["the program is for 2 torches 330 mm apart along Y, the profile has 2 100 to 300 mm apart along Y"]
     silent = found.program.replace("(TORCHES 2, 130 MM APART ALONG Y)\n", "")
-    assert "torches" in check_program(sheet, silent, profile).broken()
-    assert check_program(sheet, silent, profile, plan=found.plan).ok
+    assert "torches" in checked(sheet, silent, profile).broken()
+    assert checked(sheet, silent, profile, found.plan).ok
 
 
 def test_no_spacing_fits(tmp_path: Path) -> None:
     sheet, profile = movable(tmp_path, 10, 20, ROWS)
     with pytest.raises(InputError, match="has a copy 10 to 20 mm along y from it"):
-        facts_of(sheet, profile)
+        kerfwise.facts(sheet, profile)
     with pytest.raises(InputError, match="up_to: 20 mm is less than the least spacing, 30 mm"):
         movable(tmp_path, 30, 20, ROWS)

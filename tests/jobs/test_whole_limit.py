@@ -10,13 +10,12 @@ from typing import Any
 import pytest
 
 import kerfwise as package
-from kerfwise import pipeline
+from kerfwise import InputError, NoPlan, RulesConflict, load_profile, pipeline
 from kerfwise.commands import page_picture, solve
-from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.jobs import time_limits
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.progress import Listener
-from kerfwise.jobs.request import NoPlan, options_for
+from kerfwise.jobs.request import options_for, ways_on
 from kerfwise.jobs.time_limits import DRAWN, CommandLimit
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import SolveOptions
@@ -26,8 +25,7 @@ from kerfwise.models.jit import counted_s
 from kerfwise.pipeline import Watchers
 from kerfwise.pipeline import plan_nest as plan_nest_main_job
 from kerfwise.postproc.report import expect_picture
-from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rule_kit import nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
@@ -326,3 +324,27 @@ def test_what_contradicts_what_is_looked_for_in_what_is_left(monkeypatch: pytest
         with pytest.raises(NoPlan):
             plan_nest_main_job(Inputs(PLATE, PROFILE), limits, whole=limit_of(limit_s, clock))
     assert left == pytest.approx([50_000.0, LEAST_SHARE * 10_000.0], rel=0.05)
+
+
+def test_where_no_plan_exists_nothing_but_relaxing_is_advised() -> None:
+    profile = load_profile()
+    facts = package.facts(nest(100, 100, part("A", rect(10, 10, 80, 80))), profile)
+    for relaxed, advice in (
+        (False, ["try: --relax (in Python relax=True), which lets the cheapest hard rules"]),
+        (True, []),
+    ):
+        why = RulesConflict("no plan meets every hard rule", ("A.outer is out early",), proven=True)
+        ways = ways_on(SolveOptions(work=0.1), "portfolio", relaxed, why.proven)
+        told = str(NoPlan(why, facts, profile, within_limit=False, ways=ways))
+        assert "A.outer is out early" in told
+        assert "note: how few of the hard rules contradict each other was not shown within the limit" in told
+        assert re.findall(r"try: --relax .* hard rules", told) == advice
+        assert "--work" not in told
+
+
+def test_without_a_contradiction_the_error_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    profile, picture = load_profile(), tmp_path / "none.svg"
+    facts = package.facts(nest(100, 100, part("A", rect(10, 10, 80, 80))), profile)
+    assert solve.print_conflict(NoPlan(RulesConflict("none was found"), facts, profile), picture) == 1
+    assert capsys.readouterr().err == "kerfwise: none was found\n"
+    assert not picture.exists()

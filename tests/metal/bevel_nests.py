@@ -7,11 +7,10 @@ import random
 from dataclasses import replace
 from typing import Any
 
+from kerfwise import Nest, Profile
 from kerfwise.encoder.bevels.bevel import Bevel, EdgeBevel
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
+from kerfwise.rule_kit import Contour, Curve, Part, Sheet
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
 
 Rows = list[tuple[float, ...]]
 

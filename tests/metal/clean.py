@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kerfwise.tests.metal.simulate import simulate
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.nest import Nest
+    from kerfwise import Nest
 
 
 def assert_clean(nest: Nest, program: str, kerf_mm: float, **more: object) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from kerfwise.encoder.nest import Nest, Part
-from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise import Nest
+from kerfwise.rule_kit import Part, circle, nest, part, rect
 
 Box = tuple[float, float, float, float]
 """Left, lower, wide, high, mm."""

@@ -13,7 +13,8 @@ import shapely
 from kerfwise.tests.metal.arcs import bulged
 
 if TYPE_CHECKING:  # only the shape of it is used, so that nothing of the project comes along
-    from kerfwise.encoder.nest import Contour, Nest
+    from kerfwise import Nest
+    from kerfwise.rule_kit import Contour
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from kerfwise.encoder.nest import Nest
-from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise import Nest
+from kerfwise.rule_kit import circle, nest, part, rect
 
 KERF_MM = 2.0
 HALF = KERF_MM / 2

@@ -17,10 +17,10 @@ import shapely
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from kerfwise import Nest, Profile
 from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.geometry.segment import Segment
-from kerfwise.encoder.nest import Contour, Nest, Part
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rule_kit import Contour, Part
 
 Floats = NDArray[np.float64]
 LAYERS = 7

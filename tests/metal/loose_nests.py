@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from kerfwise.encoder.nest import Nest, Part
-from kerfwise.rules.case import nest, part, rect
+from kerfwise import Nest
+from kerfwise.rule_kit import Part, nest, part, rect
 
 
 def windmill(name: str, x: float, y: float, side: float, wide: float, gap: float) -> list[Part]:

@@ -15,10 +15,10 @@ from pathlib import Path
 
 import click
 
-from kerfwise.rules.profile.load import shipped_profiles
 from kerfwise.tests.metal.findings import KINDS
 from kerfwise.tests.metal.made_nests import Made, made
 from kerfwise.tests.metal.planned import BEYOND, Tried, beyond, nest_of, tried
+from kerfwise.tests.tools.shipped import PROFILES
 from kerfwise.tests.until_stopped import until_stopped
 
 Task = tuple[int, str, tuple[str, ...], bool, str]
@@ -61,7 +61,7 @@ def main(
 
     Ctrl-C ends it early, with the counts so far.
     """
-    names = tuple(shipped_profiles()) if profiles == "all" else tuple(map(_profile, profiles.split(",")))
+    names = tuple(PROFILES) if profiles == "all" else tuple(map(_profile, profiles.split(",")))
     effort = ("--time-limit", str(time_s)) if time_s else ("--work", str(work))
     pairs = product(range(first, first + nests), names)
     besides = "" if plain else given

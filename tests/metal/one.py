@@ -7,8 +7,7 @@ from pathlib import Path
 
 import click
 
-from kerfwise.encoder.readers import read_nest
-from kerfwise.rules.profile.load import load_profile
+from kerfwise import load_profile, read_nest
 from kerfwise.tests.metal.plant import plant as given
 from kerfwise.tests.metal.program import read_program
 from kerfwise.tests.metal.simulate import simulate
@@ -23,7 +22,7 @@ def main(nest: str, program: Path, profile: str, before: Path | None) -> None:
     """Print what PROGRAM does wrong to the metal of NEST; exit code 1 if it does anything."""
     plant, text = load_profile(profile), program.read_text(encoding="utf-8")
     old = before and before.read_text(encoding="utf-8")
-    found = simulate(read_nest(nest, plant.read_options()), text, before=old, **given(plant))
+    found = simulate(read_nest(nest, plant), text, before=old, **given(plant))
     for finding in found:
         click.echo(str(finding))
     click.echo(f"{len(read_program(text, plant.material.kerf_mm).paths)} cuts and marks burnt, findings: {len(found)}")

@@ -13,11 +13,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from kerfwise import load_profile, read_nest, read_plan
 from kerfwise.cli import main as kerfwise
-from kerfwise.encoder.readers import read_nest
-from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.dialects.load import new_dialect_text
-from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.made_nests import Made, made
 from kerfwise.tests.metal.plant import hole_limit_mm, plant, tabs_of
@@ -132,7 +130,7 @@ def _planned(asked: Tried, folder: Path, name: str, words: tuple[str, ...], befo
 def _burnt(asked: Tried, folder: Path, name: str, before: str | None) -> Tried:
     """The program's findings."""
     profile = load_profile(str(folder / "profile.yaml")).as_answered()
-    nest = read_nest(folder / "nest.json", profile.read_options())
+    nest = read_nest(folder / "nest.json", profile)
     kept = profile.as_cut(nest)
     lined = kept if kept.losses else replace(nest, scrap=kept.scrap)
     text = (folder / f"{name}.nc").read_text(encoding="utf-8")

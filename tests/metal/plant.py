@@ -6,8 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kerfwise.models.plan.plan import Plan
-    from kerfwise.rules.profile.profile import Profile
+    from kerfwise import Plan, Profile
 
 CORNER_KERFS = 3.4
 """A round kerf leaves so many kerfs of a corner of 15°; bend reliefs that are cut across are no deeper than two."""

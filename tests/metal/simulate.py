@@ -24,7 +24,7 @@ from kerfwise.tests.metal.torches import every_order
 from kerfwise.tests.metal.void import OlderKerfs
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.nest import Nest
+    from kerfwise import Nest
 
 
 def simulate(

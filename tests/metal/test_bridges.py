@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.readers.read import read_nest
+from kerfwise import read_nest
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.metal.drawing import drawing_of
 

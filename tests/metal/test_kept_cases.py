@@ -8,12 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers import read_nest
+from kerfwise import InputError, load_profile, read_nest
 from kerfwise.jobs.inputs import Inputs, common_cuts_not_made
-from kerfwise.postproc.verdict.check_plan import check_program
-from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rule_kit import nest, part, rect
+from kerfwise.tests.checked import checked
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
@@ -62,7 +60,7 @@ def test_a_flame_is_heated_wherever_it_begins() -> None:
     at_edge = [k for k in lit if rows[k - 1].split()[1] == "X0" or rows[k - 1].split()[2] in ("Y0", "Y200")]
     assert len(at_edge) >= 2
     cold = [row for k, row in enumerate(found.program.split("\n")) if k - 1 not in at_edge]
-    (judged,) = [rule for rule in check_program(sheet, "\n".join(cold), profile).rules if rule.id == "pierce-delay"]
+    (judged,) = [rule for rule in checked(sheet, "\n".join(cold), profile).rules if rule.id == "pierce-delay"]
     assert len(judged.violations) == len(at_edge)
 
 

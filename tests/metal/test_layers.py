@@ -7,13 +7,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.request import facts_of, make_request
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.pipeline import solve_and_verify
-from kerfwise.postproc.verdict.check_plan import check_program
-from kerfwise.rules.profile.profile import Profile
+import kerfwise
+from kerfwise import InputError, Nest, Profile, RulesConflict
+from kerfwise.tests.checked import checked
 from kerfwise.tests.metal.bevel_nests import made_for_block, made_nest
 from kerfwise.tests.metal.layers import jets_of, simulate_layers
 from kerfwise.tests.tools.amount import full
@@ -27,7 +23,7 @@ def planned(seed: int, kind: str = "whole") -> tuple[Nest, Profile, str] | None:
     """The nest of a seed with its program; None where there is no room, which is refused."""
     nest, profile = made_for_block(seed) if kind == "block" else made_nest(seed, kind == "edges")
     try:
-        done = solve_and_verify(make_request(facts_of(nest, profile), profile), profile, SolveOptions(work=0.05))
+        done = kerfwise.solve(nest, profile, work=0.05)
     except (InputError, RulesConflict) as error:
         if "cannot be read back" in str(error):
             raise
@@ -52,9 +48,7 @@ def test_a_run_may_be_longer_than_the_round_and_not_come_after_it() -> None:
     nest, profile, program = made
     assert [str(one) for one in simulate_layers(nest, program, profile)] == []
     before, run, rounds, after = re.split(r"(?=^\(CUT 2 .* PASS [12]|^\(CUT 3 )", program, flags=re.MULTILINE)
-    told = [
-        str(v) for rule in check_program(nest, before + rounds + run + after, profile).rules for v in rule.violations
-    ]
+    told = [str(v) for rule in checked(nest, before + rounds + run + after, profile).rules for v in rule.violations]
     assert any("P2.outer: an edge is cut on after the round that sets the part loose" in text for text in told), told
 
 

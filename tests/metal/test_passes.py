@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.bridges import with_bridges
-from kerfwise.encoder.nest import Bridge
-from kerfwise.rules.case import nest, part, rect
+from kerfwise.rule_kit import rect
+from kerfwise.tests.encoder.test_bridges import bridge, read
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.hand_made import KERF_MM, A, B, program, sheet, straight
 from kerfwise.tests.metal.simulate import simulate
@@ -55,10 +54,13 @@ def test_holes_are_judged_as_pierces() -> None:
     assert "pierce-over-void" in {f.kind for f in passed((15.5, 45.0), *HOLES)}
 
 
-def test_a_strip_that_is_cut() -> None:
+def test_a_strip_that_is_cut(tmp_path: Path) -> None:
     """A and B are joined on the drawing; cut round each alone they come apart."""
-    plate = nest(200, 100, part("A", rect(20, 20, 50, 50)), part("B", rect(90, 20, 50, 50)))
-    joined = with_bridges(replace(plate, bridges=(Bridge(("A", "B"), (70, 45), (90, 45), 6.0, 1),)))
+    rows = [{"id": name, "outer": rect(x, 20, 50, 50)} for name, x in (("A", 20), ("B", 90))]
+    plate, joined = (
+        read(tmp_path, rows, bridges, sheet={"width": 200, "height": 100})
+        for bridges in ([], [bridge("A", "B", [70, 45], [90, 45], 6)])
+    )
     apart = program([("A.outer", A), ("B.outer", B)])
     assert simulate(plate, apart, KERF_MM) == []
     kinds = {f.kind for f in simulate(joined, apart, KERF_MM)}

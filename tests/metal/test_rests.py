@@ -13,8 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.readers import read_nest
-from kerfwise.rules.profile.load import load_profile
+from kerfwise import load_profile, read_nest
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.metal.simulate import simulate
 from kerfwise.tests.tools.amount import examples
@@ -62,7 +61,7 @@ def test_the_rest_is_burnt_once_and_on_metal(
     for made in (new, folder / "new.plan.json"):
         assert kerfwise("check", drawn, made, "-p", PROFILE).code == 0
     profile = load_profile(PROFILE)
-    nest = read_nest(drawn, profile.read_options())
+    nest = read_nest(drawn, profile)
     text = new.read_text()
     found = simulate(nest, text, profile.material.kerf_mm, before=old.read_text())
     first = upto - redo
@@ -79,7 +78,7 @@ def test_the_comparison_can_fail(tmp_path: Path) -> None:
     assert kerfwise("solve", drawn, "-p", PROFILE, "-o", old, "--work", "1").code == 0
     text = old.read_text()
     profile = load_profile(PROFILE)
-    nest = read_nest(drawn, profile.read_options())
+    nest = read_nest(drawn, profile)
     scrap = text.replace("(MATERIAL", "(RESUME AFTER CUT 1)\n(MATERIAL", 1)
     kinds = {f.kind for f in simulate(nest, scrap, profile.material.kerf_mm, before=text)}
     assert {"resumed-wrong", "cut-twice"} & kinds

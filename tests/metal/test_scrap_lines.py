@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from kerfwise.rules.case import scrap_lines
+from kerfwise.rule_kit import nest
 from kerfwise.tests.metal.hand_made import CUTS, KERF_MM, Blocks, program, sheet, straight
 from kerfwise.tests.metal.simulate import simulate
 
-NEST = replace(sheet(), scrap=scrap_lines([[(80, 0), (80, 100)], [(142, 45), (200, 45)]]))
+NEST = replace(sheet(), scrap=nest(200, 100, scrap=[[(80, 0), (80, 100)], [(142, 45), (200, 45)]]).scrap)
 
 
 def found(*lines: tuple[str, Blocks]) -> list[tuple[str, tuple[str, ...]]]:

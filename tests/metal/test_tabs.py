@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from typing import Literal
 
 import pytest
 
-from kerfwise.encoder.candidates.candidate import LeadKind
+import kerfwise
+from kerfwise import Nest, Profile, Result
 from kerfwise.encoder.cut import Tab
-from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.pipeline import VerifiedPlan, solve_and_verify
-from kerfwise.rules.case import circle, nest, part, rect
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rule_kit import circle, nest, part, rect
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.hand_made import KERF_MM, around, sheet, with_cut
 from kerfwise.tests.metal.plant import plant, tabs_of
@@ -30,12 +28,11 @@ ROWS = nest(
 TORCHES = ("laser-st10kp-2mm", "plasma-carbon-steel", "oxyfuel-thick-plate", "water-jet")
 
 
-def made(drawn: Nest, profile: Profile) -> VerifiedPlan:
-    asked = make_request(facts_of(drawn, profile), profile)
-    return solve_and_verify(asked, profile, options_for(drawn, profile, work=2))
+def made(drawn: Nest, profile: Profile) -> Result:
+    return kerfwise.solve(drawn, profile, work=2)
 
 
-def burnt(drawn: Nest, profile: Profile, program: str, planned: VerifiedPlan) -> list[Finding]:
+def burnt(drawn: Nest, profile: Profile, program: str, planned: Result) -> list[Finding]:
     return simulate(drawn, program, tabs=tabs_of(planned.plan), **plant(profile))
 
 
@@ -52,7 +49,7 @@ def test_tabbed_parts_are_held_and_the_others_free(torch: str, choose: str) -> N
 
 
 @pytest.mark.parametrize("out", ["line", "arc"])
-def test_the_lead_out_behind_the_last_tab_leaves_its_ring_as_any_does(out: LeadKind) -> None:
+def test_the_lead_out_behind_the_last_tab_leaves_its_ring_as_any_does(out: Literal["line", "arc"]) -> None:
     """The ring is lit in three stretches: the last one's lead-out leaves the kerf of the first at a low angle."""
     profile = with_tabs("laser-st10kp-2mm", tabs="all", width_mm=0.5)
     profile = replace(profile, leads=replace(profile.leads, lead="arc", lead_out=out))

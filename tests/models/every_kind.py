@@ -13,26 +13,25 @@ from itertools import pairwise, permutations, product
 
 import shapely
 
-from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.physics.time_and_cost import feeds_of
-from kerfwise.rules.registry import RULES
-from kerfwise.rules.statements import (
+from kerfwise.rule_kit import (
     About,
     AtLeast,
     Before,
     Contiguous,
     Crossing,
     Enough,
+    Facts,
     Forbid,
-    IdleTravel,
     Lag,
-    Link,
     Move,
     NoGood,
     Pick,
     Precede,
     Statement,
 )
+from kerfwise.rules.registry import RULES
+from kerfwise.rules.statements import IdleTravel, Link
 from kerfwise.tests.models.plan.conflict.statements import row
 from kerfwise.tests.models.solved import plant
 

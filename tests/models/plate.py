@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
-from kerfwise.encoder.facts.facts import Facts
+from kerfwise import Profile
 from kerfwise.jobs.request import facts_of
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise.rule_kit import Facts, RuleSetting, circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 
 PLATE = nest(

@@ -15,7 +15,8 @@ from kerfwise.models.problem.crossings import FORBIDDEN, Crossings
 from kerfwise.models.problem.moves import MovePrices, without_near_lags
 from kerfwise.models.problem.precedence import close
 from kerfwise.models.problem.problem import Durations, Links, Problem, SoftGroup
-from kerfwise.rules.statements import About, AtLeast, Before, Lag, Literal, Move, Pick
+from kerfwise.rule_kit import About, AtLeast, Before, Lag, Move, Pick
+from kerfwise.rules.statements import Literal
 
 ABOUT = About("test", (), "a statement made for a test")
 Points = Sequence[tuple[float, float]]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from kerfwise.encoder.facts.facts import Facts
+from kerfwise import Nest, Plan, Profile
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
-from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import facts_of
 from kerfwise.models.engines.deadline import Deadline, Progress
 from kerfwise.models.engines.ideals import prove
@@ -13,13 +12,10 @@ from kerfwise.models.engines.solution import Incumbent, Solution, SolveOptions
 from kerfwise.models.plan.explain.context import solved_context
 from kerfwise.models.plan.explain.reasons import with_reasons
 from kerfwise.models.plan.make_plan import make_plan
-from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.options.option import NoOptions
+from kerfwise.rule_kit import Facts, NoOptions, RuleSetting
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 
 QUIET = ("heat-lag", "part-rigidity", "no-islands", "no-narrow-strips", "no-tip-travel")

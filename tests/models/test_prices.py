@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.baselines import random_order
-from kerfwise.models.heat_prices import HEAT, HeatPrices, HeatTerms, fit_prices, priced_statements
+from kerfwise.models.heat_prices import HEAT, HeatPrices, HeatTerms, fit_prices, near_pairs, priced_statements
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.rules.statements import AtLeast, Forbid, Precede
+from kerfwise.rule_kit import AtLeast, Forbid, Precede, nest, part, rect
+from kerfwise.rules.profile.plant_sections import Heat
 from kerfwise.tests.models.plate import PLATE, facts, plant, posed, stated
 
 A, B, C = (PLATE.index[name] for name in ("A.outer", "B.outer", "C.outer"))
@@ -126,3 +129,20 @@ def test_where_nothing_is_hot_nothing_is_asked() -> None:
     seen = routes(20)
     prices = fit_prices(terms(), seen, np.zeros((20, 4)), np.ones(20))
     assert priced_statements(facts(), posed(), prices, 20.0) == ()
+
+
+PLAIN_HEAT = Heat()
+ROW = nest(900, 100, *(part(name, rect(10 + 100 * k, 10, 80, 80)) for k, name in enumerate("ABCDE")))
+
+
+def test_only_near_contours_are_pairs() -> None:
+    first, second = near_pairs(ROW, PLAIN_HEAT)
+    assert list(zip(first.tolist(), second.tolist(), strict=True)) == [(0, 1), (1, 2), (2, 3), (3, 4)]
+    marked = nest(
+        200, 100, part("A", rect(10, 10, 80, 80), marks=[[(20, 20), (40, 20)]]), part("B", rect(100, 10, 80, 80))
+    )
+    first, second = near_pairs(marked, PLAIN_HEAT)
+    assert [(marked.contours[i].id, marked.contours[j].id) for i, j in zip(first, second, strict=True)] == [
+        ("A.outer", "B.outer")
+    ]
+    assert len(near_pairs(ROW, replace(PLAIN_HEAT, kerf_band_mm=2.0, grid_mm=3.0))[0]) == 0

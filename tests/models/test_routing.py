@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import gzip
+import math
 from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise, permutations, product
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import kerfwise
+from kerfwise import InputError
 from kerfwise.arrays import Ints
-from kerfwise.encoder.errors import InputError
 from kerfwise.models import routing
 from kerfwise.models.engines import Engine, member_of
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.evaluate import route_cost
-from kerfwise.models.routing import Instance, judge_tour, read_instance, solve_instance
+from kerfwise.models.routing import Instance, judge_tour, read_instance, solve_instance, way_through
+from kerfwise.rule_kit import Point
+from kerfwise.tests.tools.amount import examples
 
 EXAMPLES = Path(kerfwise.__file__).parent / "examples" / "routing"
 
@@ -211,3 +216,28 @@ def test_a_matrix_is_split_into_words_a_little_at_a_time(monkeypatch: pytest.Mon
         assert max(len(words) for words in split) <= at_once + 8
         numbers, so_many = routing._numbers(lines, 3)
         assert (numbers.tolist(), so_many) == ([12, 345, 6], 7)
+
+
+PLACE = st.tuples(st.integers(0, 60), st.integers(0, 60)).map(lambda at: (float(at[0]), float(at[1])))
+
+
+def length_mm(points: list[Point], order: list[int], start: Point, end: Point) -> float:
+    return sum(math.dist(a, b) for a, b in pairwise([start, *(points[k] for k in order), end]))
+
+
+@given(points=st.lists(PLACE, max_size=5, unique=True), start=PLACE, end=PLACE)
+@examples(25)
+def test_it_is_the_shortest(points: list[Point], start: Point, end: Point) -> None:
+    order = way_through(points, start, end, SolveOptions(work=0.1))
+    assert sorted(order) == list(range(len(points)))
+    best = min(length_mm(points, list(other), start, end) for other in permutations(range(len(points))))
+    assert length_mm(points, order, start, end) <= best + 0.01
+
+
+def test_many_points_are_taken_in_strips(monkeypatch: pytest.MonkeyPatch) -> None:
+    points = [(float(10 * (k % 6)), float(10 * (k // 6))) for k in range(18)]
+    monkeypatch.setattr(routing, "MOST_AT_ONCE", 6)
+    order = way_through(points, (60.0, 0.0), (0.0, 0.0), SolveOptions(work=0.1))
+    assert sorted(order) == list(range(18))
+    columns = [{points[k][0] for k in order[at : at + 6]} for at in (0, 6, 12)]
+    assert columns == [{50.0, 40.0}, {30.0, 20.0}, {10.0, 0.0}]

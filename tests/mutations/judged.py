@@ -12,14 +12,9 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.pipeline import VerifiedPlan, solve_and_verify
-from kerfwise.postproc.verdict.check_plan import check_program, held_to_plan
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
+import kerfwise
+from kerfwise import InputError, Nest, Profile, Result, load_profile, read_nest
+from kerfwise.tests.checked import checked
 from kerfwise.tests.mutations.mutants import FURTHER, Mutant, mutants
 
 DIALECTS = tuple(sorted(FURTHER))
@@ -32,7 +27,7 @@ class Original:
 
     nest: Nest
     profile: Profile
-    made: VerifiedPlan
+    made: Result
 
 
 @cache
@@ -43,9 +38,7 @@ def original(dialect: str) -> Original:
     nest = read_nest(NEST)
     if dialect == "burny":  # it has no words to mark
         nest = Nest(nest.sheet, tuple(replace(part, marks=()) for part in nest.parts), sha256=nest.sha256)
-    made = solve_and_verify(
-        make_request(facts_of(nest, profile), profile), profile, options_for(nest, profile, work=0.2)
-    )
+    made = kerfwise.solve(nest, profile, work=0.2)
     assert made.verdict.ok
     return Original(nest, profile, made)
 
@@ -61,12 +54,9 @@ def passes(of: Original, mutant: Mutant, with_plan: bool) -> bool:
     """Whether the check has nothing against a mutant."""
     plan = of.made.plan if with_plan else None
     try:
-        result = check_program(of.nest, mutant.text, of.profile, plan=plan)
+        return checked(of.nest, mutant.text, of.profile, plan).ok
     except InputError:
         return False
-    if with_plan:
-        result = held_to_plan(result, of.nest, mutant.text, of.made.plan, of.profile)
-    return result.ok
 
 
 def counted(each: int, seed: int = 1) -> tuple[dict[str, tuple[int, int, int]], Counter[str], list[Mutant]]:

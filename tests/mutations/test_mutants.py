@@ -6,11 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.programs import check_made
-from kerfwise.postproc.verdict.check_plan import check_program, held_to_plan
-from kerfwise.rules.profile.load import load_profile
+import kerfwise
+from kerfwise import load_profile, read_nest
+from kerfwise.tests.checked import checked
 from kerfwise.tests.mutations.judged import DIALECTS, counted, original, passes, words
 from kerfwise.tests.mutations.mutants import Mutant, mutants
 
@@ -47,10 +45,10 @@ def test_so_of_many() -> None:
     ],
 )
 def test_edited_programs_that_passed_once(name: str, profile: str, without_plan: str) -> None:
-    given = Inputs(read_nest(CASES / f"{name}.json"), load_profile(CASES / profile))
-    alone = check_made(given, CASES / f"{name}.nc")
+    plant = CASES / profile
+    alone = kerfwise.check(CASES / f"{name}.json", CASES / f"{name}.nc", plant)
     assert any(without_plan in violation.text for rule in alone.rules for violation in rule.violations)
-    held = check_made(given, CASES / f"{name}.nc", plan=CASES / f"{name}.plan.json")
+    held = kerfwise.check(CASES / f"{name}.json", CASES / f"{name}.nc", plant, CASES / f"{name}.plan.json")
     assert "follows-plan" in held.broken()
 
 
@@ -61,8 +59,7 @@ def test_comments_numbers_spelt_otherwise_and_pauses_change_nothing() -> None:
         row.replace("G0 ", "G00 ").replace("N", "n") if not row.startswith("(") else f"{row} (SEEN)" for row in rows
     ]
     text = "\n".join(["(BY HAND)", *rows[:-2], "M0", *rows[-2:]])
-    result = check_program(of.nest, text, of.profile, plan=of.made.plan)
-    assert held_to_plan(result, of.nest, text, of.made.plan, of.profile).ok
+    assert checked(of.nest, text, of.profile, of.made.plan).ok
 
 
 @pytest.mark.parametrize("dialect", ["linuxcnc", "burny"])
@@ -73,7 +70,7 @@ def test_an_entry_beside_a_corner_is_read_as_planned(dialect: str, tmp_path: Pat
     nest, profile = read_nest(CASES / "08-check-plan-refuses-valid.json"), load_profile(CASES / f"08-{dialect}.yaml")
     found = made(nest, profile)
     assert found.verdict.ok
-    result = check_program(nest, found.program, profile, plan=found.plan)
+    result = checked(nest, found.program, profile, found.plan)
     assert result.ok, result.broken()
 
 

@@ -10,13 +10,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers import read_nest
+from kerfwise import InputError, load_profile, read_nest
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.nest_job.request import inputs_for
 from kerfwise.jobs.programs import check_made
 from kerfwise.models.plan.read_plan import plan_in
-from kerfwise.rules.profile.load import load_profile
 from kerfwise.tests.fuzz.inputs import seeds
 from kerfwise.tests.mutations.tree_mutants import tree_mutants
 

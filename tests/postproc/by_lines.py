@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from kerfwise.encoder.nest import Nest
-from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.profile.profile import Profile
+from kerfwise import Nest, Profile
+from kerfwise.rule_kit import nest, part, rect
 from kerfwise.tests.postproc.plans import KERF_MM
 
 Line = Sequence[tuple[float, float]]

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import shapely
 from shapely.ops import substring
 
-from kerfwise.encoder.cut import Cut
-from kerfwise.encoder.nest import Nest
+from kerfwise import Nest
+from kerfwise.rule_kit import Cut
 from kerfwise.tests.postproc.plans import cut_of
 
 _COMMENT = re.compile(r"\((?:CUT|MARK) \d+ (?P<contour>\S+) ")

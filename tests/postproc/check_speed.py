@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import kerfwise
-from kerfwise.encoder.nest import Nest
+from kerfwise import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet

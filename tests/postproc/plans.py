@@ -9,18 +9,14 @@ from typing import Any
 
 import shapely
 
-from kerfwise.encoder.cut import Cut, Direction
-from kerfwise.encoder.geometry.curve import Curve
+from kerfwise import Nest, Plan, Profile
 from kerfwise.encoder.geometry.offset import offset_curve
-from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.models.plan.plan import Plan, PlannedCut, SolveReport, Totals
-from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise.models.plan.plan import PlannedCut, SolveReport, Totals
+from kerfwise.rule_kit import Contour, Curve, Cut, Direction, RuleSetting, Strength, circle, nest, part, rect
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import Machine, RuleSetting, default_settings
-from kerfwise.rules.rule import Strength
+from kerfwise.rules.profile.sections import Machine, default_settings
 
 KERF_MM = 1.5
 QUARTER = math.tan(math.pi / 8)

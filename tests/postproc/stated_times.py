@@ -13,12 +13,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import kerfwise as package
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Nest
+from kerfwise import InputError, Nest, Plan, Profile
 from kerfwise.encoder.readers import read_nest
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.models.plan.plan import Plan
 from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check.reader.read_program import read_on_machine
 from kerfwise.postproc.check.stated import SHARE, stated_time_s, summed_time
@@ -27,7 +25,6 @@ from kerfwise.postproc.dialects import expect_words, load_dialect
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.overrides import read_setting, with_settings
-from kerfwise.rules.profile.profile import Profile
 
 NESTS = Path(package.__file__).parent / "examples" / "nests"
 DIALECTS = {"linuxcnc": "", "linuxcnc-qtplasmac": "", "eia": "", "burny": "", "essi": "", "grbl": "laser-wood"}

@@ -6,14 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan.plan import Plan
+from kerfwise import Nest, Plan, Profile
 from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.clock import job_of_plan, job_of_program, read_program, time_job, with_times
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.check_plan import check_plan
-from kerfwise.rules.case import circle, nest, part, rect
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.postproc.verdict.check_plan import check_plan, check_program
+from kerfwise.rule_kit import circle, nest, part, rect
+from kerfwise.rules.profile.plant_sections import PierceDwell
 from kerfwise.rules.profile.time_section import Time, shipped_laws
 from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
 
@@ -130,3 +129,51 @@ def test_a_programs_detours_and_its_own_feeds_are_read() -> None:
     assert job.homing_mm == pytest.approx((56.5685,))
     assert job.nc_blocks == 9
     assert program.moving_s == pytest.approx(1.0)
+
+
+PLATE = plate()
+
+
+def shop(who: PierceDwell | None, dialect: str = "linuxcnc-qtplasmac") -> Profile:
+    return profile(machine=replace(profile().machine, pierce_dwell=who, dialect=dialect))
+
+
+def written(plant: Profile) -> str:
+    return write_program(plan_of(PLATE, good_cuts(PLATE), plant), PLATE, plant)
+
+
+@pytest.mark.parametrize(
+    ("plant", "waits"),
+    [
+        (shop(None), False),
+        (shop("machine"), False),
+        (shop("program"), True),
+        (shop(None, "linuxcnc"), True),
+        (shop("machine", "linuxcnc"), False),
+    ],
+)
+def test_the_dialect_says_who_waits_and_the_profile_may_say_otherwise(plant: Profile, waits: bool) -> None:
+    text = written(plant)
+    assert ("G4 P0.5" in text) is waits
+    assert f"(PIERCE DELAY 0.5 S, HELD BY THE {'PROGRAM' if waits else 'MACHINE'})" in text
+    assert check_program(PLATE, text, plant).broken() == ()
+
+
+def test_a_delay_that_comes_twice_or_never_is_refused() -> None:
+    for mine, other, said in (("program", "machine", "asks for 0 s"), ("machine", "program", "asks for 0.5 s")):
+        found = check_program(PLATE, written(shop(mine)), shop(other))  # type: ignore[arg-type]
+        assert found.broken() == ("pierce-delay",)
+        assert said in found.rule("pierce-delay").violations[1].text
+
+
+def test_the_clock_counts_it_once_either_way() -> None:
+    times = set()
+    for who in ("machine", "program"):
+        plant = shop(who)  # type: ignore[arg-type]
+        plan = plan_of(PLATE, good_cuts(PLATE), plant)
+        program = read_program(write_program(plan, PLATE, plant), PLATE, plant)
+        for job in (job_of_plan(plan, PLATE, plant), job_of_program(program, PLATE, plant)):
+            times.add(round(time_job(job, plant).times.total_s, 1))
+            assert time_job(job, plant).times.pierce_s == pytest.approx(8 * 0.5 + 0.2)
+        assert program.burns[-1].end_s == pytest.approx(plan.cuts[-1].cut.end_s, rel=1e-3)
+    assert len(times) == 1

@@ -20,12 +20,11 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from kerfwise import pipeline
-from kerfwise.encoder.facts.facts import Facts
+from kerfwise import Plan, pipeline
 from kerfwise.jobs.request import facts_of
 from kerfwise.models.plan.explain.alternatives import PositionCosts, explain_entry
 from kerfwise.models.plan.explain.context import PlanContext
-from kerfwise.models.plan.plan import Plan
+from kerfwise.rule_kit import Facts
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.tests.golden.run import cases, run
 from kerfwise.tests.reasons.entries import entry_verdicts

@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Iterator
 from itertools import product
 
 from kerfwise.models.plan.explain.alternatives import Entry, OtherEntry
-from kerfwise.rules.statements import Crossing, Forbid
+from kerfwise.rule_kit import Crossing, Forbid
 
 from .judge import NOTHING_MM, Judge, Verdict
 

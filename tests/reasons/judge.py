@@ -15,23 +15,21 @@ from typing import assert_never
 
 import shapely
 
-from kerfwise.encoder.facts.facts import Facts
-from kerfwise.rules.statements import (
+from kerfwise.rule_kit import (
     AtLeast,
     Before,
     Contiguous,
     Crossing,
     Enough,
+    Facts,
     Forbid,
-    IdleTravel,
     Lag,
-    Link,
-    Literal,
     NoGood,
     Pick,
     Precede,
     Statement,
 )
+from kerfwise.rules.statements import IdleTravel, Link, Literal
 
 GRAZE_MM = 0.1
 NOTHING_MM, SOMETHING_MM = 0.06, 0.04

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kerfwise.rules.case import nest, part
+from kerfwise.rule_kit import nest, part
 
 A = [(10, 10), (200, 10), (200, 40), (40, 40), (40, 160), (200, 160), (200, 190), (10, 190)]
 B = [(60, 60), (260, 60), (260, 240), (60, 240), (60, 220), (230, 220), (230, 80), (60, 80)]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from kerfwise.encoder.cut import Direction
+from kerfwise.rule_kit import Direction
 from kerfwise.rules.catalogue.part_rigidity.cases import BEGIN, FIGURE_1
 
 __all__ = ["ABC", "BEGIN", "CBA", "FIGURE_1", "Answers"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from kerfwise.apps.bench.bench_child import load_kernels
 from kerfwise.models.physics.heat.simulate import simulate
-from kerfwise.rules.case import nest, part, rect
+from kerfwise.rule_kit import nest, part, rect
 from kerfwise.rules.profile.plant_sections import Heat
 from kerfwise.tests.models.physics.heat.paths import along
 

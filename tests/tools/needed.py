@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from kerfwise import InputError
 from kerfwise.apps.batch import run
-from kerfwise.encoder.errors import InputError
 from kerfwise.tests.tools import browser, canon, typescript
 from kerfwise.tests.tools.outside import gcode_toolpath
 

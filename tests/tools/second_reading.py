@@ -29,13 +29,12 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from kerfwise import InputError, Questions
 from kerfwise.arrays import Bools
 from kerfwise.cli import main as kerfwise
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers.options import ReadOptions, mm_of
 from kerfwise.encoder.readers.read import Seen, seen
+from kerfwise.rule_kit import Curve
 from kerfwise.rules.profile.load import load_profile
 
 PIXELS = 2400

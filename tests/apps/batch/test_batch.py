@@ -13,8 +13,6 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.apps.batch.store import lock_folder
-from kerfwise.encoder.files import read_limited
 from kerfwise.tests.apps.batch.nests import write_nests
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.tools.amount import full
@@ -77,14 +75,6 @@ def test_what_cannot_be_is_one_message(given: list[str], said: str) -> None:
     assert not Path("out").exists()
 
 
-def test_two_at_once_into_one_folder() -> None:
-    write_nests(Path("in"), ("one",))
-    with lock_folder(Path("out")):
-        ended = kerfwise("batch", "in", "-o", "out")
-    assert (ended.code, ended.out) == (2, "")
-    assert ended.err.startswith("kerfwise: out: another batch is writing there")
-
-
 @pytest.mark.slow
 def test_a_folder_on_two_machines() -> None:
     write_nests(Path("in"), ("one", "two", "off the sheet"))
@@ -103,7 +93,7 @@ def test_a_folder_on_two_machines() -> None:
 def made() -> dict[str, bytes]:
     """Every file of the batch, but for what is left of a write that was killed."""
     found = (path for path in Path("out").rglob("*") if path.is_file() and not path.name.startswith(".kerfwise-"))
-    return {str(path): read_limited(path) for path in found}
+    return {str(path): path.read_bytes() for path in found}
 
 
 MOMENTS = ((KILLED_IN_WRITING, 12), (KILLED, 6), (KILLED, 2), (KILLED, 7), (KILLED_IN_WRITING, 3))

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from kerfwise import InputError
 from kerfwise.apps.batch.result import Figures, Row, row_of
 from kerfwise.apps.batch.store import LOCK, Store, lock_folder
-from kerfwise.encoder.errors import InputError
+from kerfwise.tests.apps.batch.nests import write_nests
+from kerfwise.tests.commands.run_cli import kerfwise
 
 FIGURES = Figures(2, 2, 400.0, 80.0, 12.5, 0.01, ("rule: why",), 1.25, "EUR")
 ROW = Row("more/a", "a.json", "plasma", "planned", figures=FIGURES, notes=("warning: x",), thumbnail="<svg/>", key="k")
@@ -80,3 +82,11 @@ def test_a_folder_of_other_things_is_left_alone(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="this is a file"), lock_folder(tmp_path / "thesis.tex"):
         pass
     assert not (tmp_path / LOCK).exists()
+
+
+def test_two_at_once_into_one_folder() -> None:
+    write_nests(Path("in"), ("one",))
+    with lock_folder(Path("out")):
+        ended = kerfwise("batch", "in", "-o", "out")
+    assert (ended.code, ended.out) == (2, "")
+    assert ended.err.startswith("kerfwise: out: another batch is writing there")

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
+from typing import Any, cast
 
 import pytest
 from click.testing import CliRunner
 
 import kerfwise
+from kerfwise import InputError
 from kerfwise.apps.bench.bench import BenchJob, BenchResult, BestKnown, line, measure, read_best_known, results_in_all
+from kerfwise.apps.bench.bench_child import load_kernels, peak_mb
 from kerfwise.apps.bench.verbs import command
-from kerfwise.encoder.errors import InputError
+from kerfwise.models.engines.ideals import kernels
 from kerfwise.models.routing import judge_tour, read_instance
 
 EXAMPLES = Path(kerfwise.__file__).parent / "examples"
@@ -133,3 +138,25 @@ def test_best_known_costs_of_other_sets_are_said_to_be_of_no_use(tmp_path: Path)
     twelve = str(EXAMPLES / "routing" / "twelve.sop")
     ran = CliRunner().invoke(command, [twelve, "--work", "1", "--best-known", str(best)], standalone_mode=False)
     assert "has no costs for these instances" in ran.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems tell no peak of a process alone")
+def test_a_process_does_not_take_over_the_peak_of_its_parent() -> None:
+    held = bytearray(b"1" * (300 << 20))
+    assert peak_mb() > len(held) / (1 << 20)
+    tell = "from kerfwise.apps.bench.bench_child import peak_mb; print(peak_mb())"
+    done = subprocess.run([sys.executable, "-c", tell], capture_output=True, text=True, check=True)
+    assert 1.0 < float(done.stdout) < 200.0
+
+
+def _signatures(kernel: object) -> list[Any]:
+    return list(cast(Any, kernel).dispatcher.signatures)
+
+
+def test_the_sweep_is_loaded_for_cheap_plans_and_dear_ones() -> None:
+    load_kernels()
+    loaded = _signatures(kernels.sweep)
+    assert {str(layer.fields["values"][0].dtype) for _, layer, *_ in loaded} == {"int32", "int64"}
+    load_kernels()
+    assert _signatures(kernels.sweep) == loaded

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from kerfwise import Nest
 from kerfwise.apps.distortion.elasticity import Elastic, Elasticity
 from kerfwise.apps.distortion.mesh import Mesh, make_mesh
 from kerfwise.arrays import Floats
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
+from kerfwise.rule_kit import Contour, Curve, Part, Sheet
 from kerfwise.rules.profile.plant_sections import Heat
 
 STEEL = Elastic(210_000.0, 0.3, 12e-6, 10.0)

@@ -11,16 +11,15 @@ import numpy as np
 import pytest
 
 import kerfwise as package
+from kerfwise import InputError, load_profile
 from kerfwise.apps.distortion import predict, straighter
 from kerfwise.apps.distortion.part_errors import PartError
 from kerfwise.apps.distortion.straighter import StraighterOrders, straighter_for
 from kerfwise.apps.distortion.tolerances import beyond, kept_or_not, tolerances_of
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.geometry.segment import Point
 from kerfwise.jobs.inputs import drawn_nest
-from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.jobs.request import make_request, options_for
 from kerfwise.pipeline import VerifiedPlan, solve_and_verify
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rule_kit import Point
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
@@ -124,7 +123,7 @@ def test_the_plan_that_is_chosen_is_the_best_that_was_simulated(
     few_steps(monkeypatch)
     profile = load_profile(plant(tmp_path, "objective: {distortion: 1000000}\n"))
     nest = profile.as_cut(drawn_nest(small(tmp_path), profile))
-    facts, limits = facts_of(nest, profile), options_for(nest, profile, work=0.5)
+    facts, limits = package.facts(nest, profile), options_for(nest, profile, work=0.5)
     asked = make_request(facts, profile, limits=limits)
     plain = solve_and_verify(asked, profile, limits)
     orders = StraighterOrders(facts, profile, asked.stated)

@@ -9,9 +9,6 @@ from xml.etree import ElementTree
 import pytest
 
 import kerfwise as package
-from kerfwise.apps.distortion.predict import distort_made
-from kerfwise.apps.distortion.yielding import yielded
-from kerfwise.jobs.inputs import drawn_nest, plant_of
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NESTS = Path(package.__file__).parent / "examples" / "nests"
@@ -92,32 +89,9 @@ def test_water_bends_nothing(plan: Path) -> None:
 
 
 def test_a_plan_in_memory(plan: Path) -> None:
-    from kerfwise.jobs.inputs import Inputs
-    from kerfwise.models.plan.read_plan import read_plan
 
-    profile = plant_of()
-    found = distort_made(Inputs(profile.as_cut(drawn_nest(NEST, profile)), profile), read_plan(plan), grid_mm=16.0)
+    found = package.distort(NEST, package.read_plan(plan), grid_mm=16.0)
     assert 0 < found.mean_mm <= found.max_mm < 0.5
-
-
-def test_a_band_never_pulls_with_more_than_the_metal_bears() -> None:
-    """The metal is at its yield stress to half the width at most, and less beyond: Okerblom's triangle and more."""
-    for material, thickness_mm, watts, feed in (
-        ("carbon-steel", 20.0, 3300.0, 355 / 60),
-        ("stainless-steel", 6.0, 1300.0, 30.0),
-        ("aluminium-amg3m", 1.0, 300.0, 100.0),
-    ):
-        band = yielded(material, thickness_mm, watts, feed)
-        most = {"carbon-steel": 235, "stainless-steel": 210, "aluminium-amg3m": 80}[material]
-        assert 0.3 < -band.at_last_n / (most * thickness_mm * band.width_mm) < 1.0
-        assert band.pull_n.max() <= 0.0
-        assert 0 < band.depth_mm < band.width_mm
-
-
-def test_twice_the_heat_makes_the_band_twice_as_wide() -> None:
-    one, two = (yielded("carbon-steel", 10.0, watts, 10.0) for watts in (1000.0, 2000.0))
-    assert two.width_mm == pytest.approx(2 * one.width_mm, rel=1e-6)
-    assert two.at_last_n == pytest.approx(2 * one.at_last_n, rel=1e-6)
 
 
 def test_python_asks_as_the_command_line_does(plan: Path) -> None:

@@ -10,16 +10,17 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
+from kerfwise import read_nest
 from kerfwise.apps.nesting.placement.fill import Room
 from kerfwise.apps.nesting.placement.layout import Layout, nest_dxf
 from kerfwise.apps.nesting.placement.nofit import Placed
 from kerfwise.apps.nesting.placement.shapes import Key
 from kerfwise.apps.nesting.verbs import NestProgress
 from kerfwise.arrays import Floats
-from kerfwise.encoder.readers import read_nest
 from kerfwise.encoder.write_nest import nest_json
-from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise.rule_kit import circle, nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.commands.test_program_head import plate
 
 BRACKET = part("bracket", [(10, 10), (90, 10), (90, 40), (40, 40), (40, 90), (10, 90)], [circle(25, 25, 6)])
 
@@ -255,3 +256,15 @@ def test_an_engine_that_is_not_installed_is_said_before_the_work(parts: Path, mo
     ended = kerfwise("nest", parts / "plate.json", "--sheet", "300x200", "--engine", "sparrow", "-o", parts / "out")
     assert ended.code == 2
     assert "pip install 'kerfwise[nest]'" in ended.err
+
+
+def test_a_drawing_of_a_nest_carries_orders(tmp_path: Path) -> None:
+    said = {"A": {"order": "A-17", "due": "2026-12-24", "of": "bracket"}, "B": {"order": "B 4"}}
+    nest = read_nest(plate(tmp_path, **said))
+    (tmp_path / "again.dxf").write_text(nest_dxf(nest), encoding="utf-8")
+    again = read_nest(tmp_path / "again.dxf")
+    assert sorted(c.kind for c in again.contours) == ["outer", "outer"]
+    found = {part.attributes.get("order"): part.attributes for part in again.parts}
+    assert found.keys() == {"A-17", "B 4"}
+    assert found["A-17"]["due"] == "2026-12-24"
+    assert found["A-17"]["of"] == "bracket"

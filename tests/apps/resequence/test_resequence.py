@@ -10,6 +10,7 @@ import pytest
 from kerfwise.apps.resequence.resequence import resequence
 from kerfwise.apps.resequence.result import Resequenced
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import read_named
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.by_engine import Method
 from kerfwise.jobs.inputs import Inputs
@@ -26,6 +27,8 @@ from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import Links
+from kerfwise.tests.apps.resequence.test_resequence_verb import archive
+from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.postproc.dialects.reading import with_dialect
 from kerfwise.tests.postproc.old.programs import READ, line, square
 from kerfwise.tests.tools import canon
@@ -248,3 +251,71 @@ def test_the_kerf_of_the_program_counts_and_one_that_is_given_counts_more(tmp_pa
     other = dataclasses.replace(PLAIN, material=dataclasses.replace(PLAIN.material, kerf_mm=2.0))
     file.write_text(READ["squares"])
     assert read_old_job(file, other, afresh=True).profile.material.kerf_mm == 2.0
+
+
+@pytest.mark.slow
+def test_what_is_finished_is_not_planned_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from kerfwise.apps.resequence import archive as job
+
+    archive(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    planned: list[str] = []
+    real = job.resequence
+
+    def noted(path: Path, *args: object, **options: object) -> object:
+        planned.append(path.name)
+        return real(path, *args, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(job, "resequence", noted)
+    first = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
+    assert sorted(planned) == ["loop.ngc", "rows.nc", "slow holes.nc", "squares.nc"]
+    planned.clear()
+    again = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
+    assert planned == ["loop.ngc"]  # what was refused may be mended
+    assert again.out == first.out.rstrip("\n") + ", 3 finished before\n"
+    planned.clear()
+    Path("new/rows.nc").write_text("spoilt")
+    Path("old/squares.nc").write_text(READ["squares"].replace("X215", "X214"))
+    kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
+    assert sorted(planned) == ["loop.ngc", "rows.nc", "squares.nc"]
+    planned.clear()
+    kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1, "--kerf", 1)
+    assert len(planned) == 4
+    Path("new/resequence.json").write_text("[")
+    planned.clear()
+    kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1, "--kerf", 1)
+    assert len(planned) == 4
+
+
+def test_a_fault_stops_no_other_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from kerfwise.apps.resequence import archive as job
+
+    archive(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    real = job.resequence
+
+    def fails(path: Path, *args: object, **options: object) -> object:
+        if path.name == "rows.nc":
+            raise ZeroDivisionError("by nothing")
+        return real(path, *args, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(job, "resequence", fails)
+    ended = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
+    assert ended.code == 70
+    assert "a fault of kerfwise itself: ZeroDivisionError: by nothing" in ended.out
+    (told,) = [row for row in ended.err.splitlines() if "please send" in row]
+    assert told.startswith("rows.nc: a fault of kerfwise itself: ZeroDivisionError: by nothing; please send ")
+    report = Path(told.partition("please send ")[2].partition(" to whoever")[0]).read_text()
+    assert "raise ZeroDivisionError" in report
+    assert "2 of 4 programs read" in ended.out
+
+
+def test_a_file_that_is_too_large_stops_no_other_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    archive(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    Path("old/rows.nc").write_text("(-)\n" * 10_000)
+    monkeypatch.setattr(read_named, "__defaults__", (30_000,))
+    ended = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
+    assert ended.code == 2
+    assert "refused: old/rows.nc: holds over" in ended.out
+    assert "2 of 4 programs read" in ended.out

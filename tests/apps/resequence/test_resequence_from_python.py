@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.encoder.files import read_limited
 from kerfwise.tests.commands.run_cli import kerfwise as command_line
 from kerfwise.tests.postproc.old.programs import READ
 
@@ -20,8 +19,8 @@ def test_it_gives_what_the_command_line_writes(tmp_path: Path, monkeypatch: pyte
     Path("old.nc").write_text(READ["squares with holes"])
     assert command_line("resequence", "old.nc", "--sheet", "300x100", "--work", 2, "--picture", "both.svg").code == 0
     better = kerfwise.resequence("old.nc", sheet_mm=(300, 100), work=2)
-    assert better.program.encode() == read_limited(Path("old.resequenced.nc"))
-    assert better.picture().content == read_limited(Path("both.svg"))
+    assert better.program.encode() == Path("old.resequenced.nc").read_bytes()
+    assert better.picture().content == Path("both.svg").read_bytes()
     assert better.picture("png").content.startswith(b"\x89PNG")
     assert better.save("better.nc") == Path("better.nc")
     with pytest.raises(kerfwise.InputError, match="is read from"):
@@ -50,6 +49,6 @@ def test_progress_may_stop_it(tmp_path: Path) -> None:
 def test_the_example_of_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("old.nc").write_text(READ["squares with holes"])
-    (example,) = re.findall(r"```python\n(.*?)```", read_limited(PAGE).decode(), re.DOTALL)
+    (example,) = re.findall(r"```python\n(.*?)```", PAGE.read_bytes().decode(), re.DOTALL)
     exec(example, {})
     assert Path("better.nc").is_file()

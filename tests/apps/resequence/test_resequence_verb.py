@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.files import read_named
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.postproc.old.programs import FEED, HEAD, READ, REFUSED
 
@@ -84,40 +83,6 @@ def test_a_folder(jobs: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert Path("new/rows.nc").read_text() == READ["rows"] or float(parts[1][-6]) > float(parts[1][-5])
 
 
-@pytest.mark.slow
-def test_what_is_finished_is_not_planned_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from kerfwise.apps.resequence import archive as job
-
-    archive(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    planned: list[str] = []
-    real = job.resequence
-
-    def noted(path: Path, *args: object, **options: object) -> object:
-        planned.append(path.name)
-        return real(path, *args, **options)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(job, "resequence", noted)
-    first = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
-    assert sorted(planned) == ["loop.ngc", "rows.nc", "slow holes.nc", "squares.nc"]
-    planned.clear()
-    again = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
-    assert planned == ["loop.ngc"]  # what was refused may be mended
-    assert again.out == first.out.rstrip("\n") + ", 3 finished before\n"
-    planned.clear()
-    Path("new/rows.nc").write_text("spoilt")
-    Path("old/squares.nc").write_text(READ["squares"].replace("X215", "X214"))
-    kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
-    assert sorted(planned) == ["loop.ngc", "rows.nc", "squares.nc"]
-    planned.clear()
-    kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1, "--kerf", 1)
-    assert len(planned) == 4
-    Path("new/resequence.json").write_text("[")
-    planned.clear()
-    kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1, "--kerf", 1)
-    assert len(planned) == 4
-
-
 def test_nobody_cuts_by_what_an_older_program_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     archive(tmp_path)
     monkeypatch.chdir(tmp_path)
@@ -143,40 +108,6 @@ def test_nobody_cuts_by_what_an_older_program_left(tmp_path: Path, monkeypatch: 
     ]
     Path("old/rows.nc").write_text(READ["rows"])
     assert "3 of 4 programs read, 3 changed, 2 finished before" in kerfwise(*asked).out
-
-
-def test_a_fault_stops_no_other_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from kerfwise.apps.resequence import archive as job
-
-    archive(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    real = job.resequence
-
-    def fails(path: Path, *args: object, **options: object) -> object:
-        if path.name == "rows.nc":
-            raise ZeroDivisionError("by nothing")
-        return real(path, *args, **options)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(job, "resequence", fails)
-    ended = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
-    assert ended.code == 70
-    assert "a fault of kerfwise itself: ZeroDivisionError: by nothing" in ended.out
-    (told,) = [row for row in ended.err.splitlines() if "please send" in row]
-    assert told.startswith("rows.nc: a fault of kerfwise itself: ZeroDivisionError: by nothing; please send ")
-    report = Path(told.partition("please send ")[2].partition(" to whoever")[0]).read_text()
-    assert "raise ZeroDivisionError" in report
-    assert "2 of 4 programs read" in ended.out
-
-
-def test_a_file_that_is_too_large_stops_no_other_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    archive(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    Path("old/rows.nc").write_text("(-)\n" * 10_000)
-    monkeypatch.setattr(read_named, "__defaults__", (30_000,))
-    ended = kerfwise("resequence", "old", "-o", "new", "--without-rules", "--work", 1)
-    assert ended.code == 2
-    assert "refused: old/rows.nc: holds over" in ended.out
-    assert "2 of 4 programs read" in ended.out
 
 
 def test_originals_of_another_folder_are_not_written_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

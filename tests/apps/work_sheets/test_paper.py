@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
+import segno
 from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.apps.work_sheets.paper import BOX, FOOT, HEIGHT, MARGIN, ROOM, WIDTH, Paper, broken, move_item, shortened
 from kerfwise.postproc.report.plot import A4, fit_to_a4, pdf_bytes
 from kerfwise.postproc.report.scene import Dot, Scene, SceneLayer, Shape, Style, TextLine, text_width
+from kerfwise.rule_kit import rect
+from kerfwise.tests.apps.work_sheets.test_sheet import plan, solved  # noqa: F401 - fixtures
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.nest_file import nest_file
 from kerfwise.tests.paper import pages_of
 
 WORDS = st.text(st.characters(codec="utf-8", categories=("L", "N", "P")), min_size=1, max_size=40)
@@ -145,3 +153,58 @@ def test_a_pdf_is_read_back() -> None:
     assert 0 < left < right < page.size[0]
     red, green, blue = np.moveaxis(page.picture(dpi=72).astype(int), -1, 0)
     assert ((red > 200) & (green < 100) & (blue < 100)).sum(axis=1).max() > page.size[0] / 2, "the red line is drawn"
+
+
+@pytest.mark.slow
+def test_many_cuts_go_on_to_more_pages_and_every_number_can_be_read() -> None:
+    small = [{"id": f"P{k}", "outer": rect(20 + 60 * (k % 15), 20 + 60 * (k // 15), 50, 50)} for k in range(75)]
+    nest_file("many.json", small, (940, 340))
+    Path("loose.yaml").write_text("based_on: plasma-carbon-steel\nrules: {part-rigidity: off, level-ahead: off}\n")
+    ended = kerfwise("solve", "many.json", "-p", "loose.yaml", "--work", 0.05, "-o", "m.nc", "--plan", "m.plan.json")
+    assert ended.code == 0, ended.err
+    assert kerfwise("sheet", "many.json", "m.plan.json", "-p", "loose.yaml", "-o", "m.pdf").code == 0
+    pages = pages_of("m.pdf")
+    assert len(pages) <= 3
+    rows = re.findall(r"\S+\.outer", "".join(page.text for page in pages).partition("in order")[2])
+    assert len(rows) == len(set(rows)) == 75
+
+    from kerfwise import read_nest, read_plan
+    from kerfwise.apps.work_sheets.paper import ROOM
+    from kerfwise.postproc.report.picture import bare_picture
+    from kerfwise.postproc.report.scene import TextLine
+
+    drawn = bare_picture(read_nest("many.json"), read_plan("m.plan.json"), (0.0, 0.0), ROOM, 470.0)
+    numbers = [item for item in drawn.layer("numbers") if isinstance(item, TextLine)]
+    assert sorted(int(item.text) for item in numbers) == list(range(1, 76))
+    assert min(item.size for item in numbers) >= 5.0
+    assert all(0 <= item.x <= drawn.width and 0 <= item.y <= drawn.height for item in numbers)
+
+
+def test_several_nests_make_one_paper(plan: Path) -> None:  # noqa: F811 - a fixture
+    from kerfwise import read_plan
+    from kerfwise.apps.work_sheets.work_sheet import sheets_pdf, work_sheet
+    from kerfwise.jobs.nest_job.request import NestRequest, inputs_for
+
+    one = work_sheet(inputs_for("sheet.json", NestRequest()), read_plan(plan))
+    Path("both.pdf").write_bytes(sheets_pdf([one, one], "today"))
+    texts = [page.text for page in pages_of("both.pdf")]
+    assert len(texts) == 2
+    assert all("page 1 of 1" in text and "today" in text for text in texts)
+
+
+def test_the_bars_cover_the_dark_squares_and_no_others() -> None:
+    from kerfwise.apps.work_sheets.paper import qr_items
+
+    text, size = "SHA256 " + "0123456789ABCDEF" * 4, 78.0
+    matrix = np.array(segno.make_qr(text, error="m").matrix, dtype=bool)
+    drawn = np.zeros_like(matrix)
+    (shape,) = qr_items(text, 10.0, 20.0, size)
+    assert isinstance(shape, Shape)
+    module = size / len(matrix)
+    for bar in shape.lines:
+        (x0, y0), (x1, y1) = bar.min(axis=0), bar.max(axis=0)
+        columns = slice(round((x0 - 10) / module), round((x1 - 10) / module))
+        rows = slice(round((y0 - 20) / module), round((y1 - 20) / module))
+        assert not drawn[rows, columns].any()
+        drawn[rows, columns] = True
+    assert np.array_equal(drawn, matrix)

@@ -15,7 +15,7 @@ import pytest
 import zxingcpp
 
 import kerfwise as package
-from kerfwise.rules.case import rect
+from kerfwise.rule_kit import rect
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nest_file import nest_file
 from kerfwise.tests.paper import pages_of
@@ -128,44 +128,6 @@ def test_the_same_bytes_in_another_process(plan: Path) -> None:
     command = [sys.executable, "-m", "kerfwise", "sheet", "sheet.json", str(plan), "-o", "there.pdf"]
     subprocess.run(command, check=True, env=env)
     assert Path("here.pdf").read_bytes() == Path("there.pdf").read_bytes()
-
-
-@pytest.mark.slow
-def test_many_cuts_go_on_to_more_pages_and_every_number_can_be_read() -> None:
-    small = [{"id": f"P{k}", "outer": rect(20 + 60 * (k % 15), 20 + 60 * (k // 15), 50, 50)} for k in range(75)]
-    nest_file("many.json", small, (940, 340))
-    Path("loose.yaml").write_text("based_on: plasma-carbon-steel\nrules: {part-rigidity: off, level-ahead: off}\n")
-    solved = kerfwise("solve", "many.json", "-p", "loose.yaml", "--work", 0.05, "-o", "m.nc", "--plan", "m.plan.json")
-    assert solved.code == 0, solved.err
-    assert kerfwise("sheet", "many.json", "m.plan.json", "-p", "loose.yaml", "-o", "m.pdf").code == 0
-    pages = pages_of("m.pdf")
-    assert len(pages) <= 3
-    rows = re.findall(r"\S+\.outer", "".join(page.text for page in pages).partition("in order")[2])
-    assert len(rows) == len(set(rows)) == 75
-
-    from kerfwise.apps.work_sheets.paper import ROOM
-    from kerfwise.encoder.readers import read_nest
-    from kerfwise.models.plan.read_plan import read_plan
-    from kerfwise.postproc.report.picture import bare_picture
-    from kerfwise.postproc.report.scene import TextLine
-
-    drawn = bare_picture(read_nest("many.json"), read_plan("m.plan.json"), (0.0, 0.0), ROOM, 470.0)
-    numbers = [item for item in drawn.layer("numbers") if isinstance(item, TextLine)]
-    assert sorted(int(item.text) for item in numbers) == list(range(1, 76))
-    assert min(item.size for item in numbers) >= 5.0
-    assert all(0 <= item.x <= drawn.width and 0 <= item.y <= drawn.height for item in numbers)
-
-
-def test_several_nests_make_one_paper(plan: Path) -> None:
-    from kerfwise.apps.work_sheets.work_sheet import sheets_pdf, work_sheet
-    from kerfwise.jobs.nest_job.request import NestRequest, inputs_for
-    from kerfwise.models.plan.read_plan import read_plan
-
-    one = work_sheet(inputs_for("sheet.json", NestRequest()), read_plan(plan))
-    Path("both.pdf").write_bytes(sheets_pdf([one, one], "today"))
-    texts = [page.text for page in pages_of("both.pdf")]
-    assert len(texts) == 2
-    assert all("page 1 of 1" in text and "today" in text for text in texts)
 
 
 def test_a_plan_that_the_check_refuses_has_no_sheet(plan: Path) -> None:

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
+import shapely
 
+from kerfwise import InputError, Nest, load_profile, read_nest, read_plan
 from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.bevels.cut_nest import BevelOptions, with_bevels
 from kerfwise.encoder.bevels.room import plan_bevels, section
-from kerfwise.encoder.cut import Cut
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
+from kerfwise.jobs.inputs import Inputs, silent
+from kerfwise.jobs.simulation import path_of_made
+from kerfwise.postproc.check.reader.controls import CONTROLS
+from kerfwise.postproc.check.reader.rs274 import read_nc
+from kerfwise.rule_kit import Contour, Curve, Cut, Part, Sheet
+from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.commands.test_bevels import NEST, PROFILE, solved  # noqa: F401 - a fixture
 
 OPTIONS = BevelOptions(20.0, ((0.0, 2.0), (45.0, 2.4)), corner="turn")
 HALF = 2.4 / math.cos(math.radians(45)) / 2
@@ -150,3 +157,35 @@ def test_a_bevel_that_leaves_no_wall_is_refused() -> None:
     with pytest.raises(InputError) as refused:
         plan_bevels(with_bevels(given, OPTIONS), OPTIONS)
     assert "at the top face it leaves less than a kerf of wall between P.outer and P.hole1" in str(refused.value)
+
+
+def test_eia_turns_on_the_spot_in_turns_a_minute() -> None:
+    program = (
+        "G21\nG90\nG40\nM28\nG00 X10 Y10 A30\nG00 C0\nM07\nG01 X20 Y10 F600\nG01 C90 F2.5\nG01 X20 Y20 F600\nM08\nM02\n"
+    )
+    read = read_nc(program, control=replace(CONTROLS["eia"], rotary="AC"))
+    (burn,) = read.burns
+    assert burn.axes == ((30, 0), (30, 0), (30, 90), (30, 90))
+    assert burn.end_s - burn.start_s == pytest.approx(1 + 6 + 1)  # a quarter of a turn at 2.5 a minute takes 6 s
+
+
+def test_simulations_burn_each_pass_where_its_jet_is_and_as_long_as_it_takes(solved: Path) -> None:  # noqa: F811 - a fixture
+    profile = load_profile(PROFILE)
+    nest, plan = read_nest(NEST), read_plan(solved / "out.plan.json")
+    path = path_of_made(plan, Inputs(nest, profile), silent, None)
+    passes = {planned.cut.contour: planned.passes for planned in plan.cuts}
+    upright = sum(1 for planned in plan.cuts if not planned.passes)
+    assert len(path.burns) == upright + sum(map(len, passes.values())), "one burn a pass"
+    assert path.seconds_on == pytest.approx(sum(c.cut.end_s - c.cut.start_s for c in plan.cuts), rel=0.1)
+    flange = next(burn for burn in path.burns if burn.contour == "Flange.outer")
+    (one,) = passes["Flange.outer"]
+    (x0, y0), (x1, y1) = nest.contour("Flange.outer").curve.vertices[:2, :2].tolist()
+    for point in flange.xy[5:-5:7].tolist():
+        assert min(shapely.distance(line, shapely.Point(point)) for line in one.lines(10.0)) < 0.05
+    # by hand: 20 mm, V 45: half of 3.394 mm outside the contour at the bottom face, 10 mm further in at half the depth
+    middle = shapely.Point((x0 + x1) / 2, (y0 + y1) / 2)
+    assert shapely.distance(middle, shapely.LineString(flange.xy)) == pytest.approx(10 - 1.697, abs=0.05)
+    for verb in (("heat", "--model", "logical"), ("distort", "--grid", "40")):
+        done = kerfwise(*verb, NEST, solved / "out.plan.json", "-p", PROFILE)
+        assert done.code == 0, done.err
+        assert "upright" not in done.err

@@ -7,9 +7,8 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
-from kerfwise.encoder.candidates import LeadOptions
-from kerfwise.encoder.nest import Nest, Part
-from kerfwise.rules.case import circle, nest, part
+from kerfwise import Nest
+from kerfwise.rule_kit import LeadOptions, Part, circle, nest, part
 from kerfwise.tests.encoder.geometry.rings import is_simple, star_rings
 
 CELL_MM = 60

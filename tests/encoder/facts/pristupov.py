@@ -5,8 +5,8 @@ The drawings are not in the text, so these are laid out to fit its words. Cuttin
 
 from __future__ import annotations
 
-from kerfwise.encoder.nest import Nest
-from kerfwise.rules.case import nest, part, rect
+from kerfwise import Nest
+from kerfwise.rule_kit import nest, part, rect
 
 FIGURE_1_ORDER = ("B.hole1", "B.outer", "A.hole1", "A.outer")
 """Contours nested in each other: from the inside out, no other order."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
 
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
-from kerfwise.rules.case import Rows, circle, nest, part, rect
+from kerfwise import Nest
+from kerfwise.rule_kit import Contour, Curve, Part, Sheet, circle, nest, part, rect
 
 PITCH = 120
 
@@ -43,7 +43,7 @@ def _cell(name: str, x: int, y: int, draw: st.DrawFn) -> list[Part]:
     return []
 
 
-def _channel(x: int, y: int, w: int, h: int, draw: st.DrawFn) -> Rows:
+def _channel(x: int, y: int, w: int, h: int, draw: st.DrawFn) -> Any:
     x2, y2 = x + w, y + h
     match draw(st.sampled_from(["right", "left", "top", "bottom"])):
         case "right":

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from hypothesis import strategies as st
 
-from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.rule_kit import Curve
 
 
 @st.composite

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.geometry.curve import Curve, lines_of, polygons_of
+from kerfwise.rule_kit import Curve
 
 places = st.one_of(st.integers(-3, 3).map(float), st.floats(-50, 50))
 bulges = st.one_of(st.just(0.0), st.floats(0.01, 2), st.floats(-2, -0.01))
@@ -28,18 +28,6 @@ def test_points_are_those_of_the_segments(curve: Curve, tolerance_mm: float) -> 
 def test_lengths_are_those_of_chords_and_arcs(curve: Curve) -> None:
     for s in curve.segments:
         assert s.length_mm == (s.radius_mm * abs(s.sweep_rad) if s.is_arc else math.dist(s.start, s.end))
-
-
-@given(st.lists(curves, max_size=5), st.sampled_from([0.002, 0.01, 0.5]))
-def test_lines_of_several_curves_are_those_of_each(several: list[Curve], tolerance_mm: float) -> None:
-    lines = lines_of(several, tolerance_mm)
-    assert [line.coords[:] for line in lines] == [curve.line(tolerance_mm).coords[:] for curve in several]
-
-
-@given(st.lists(curves.filter(lambda curve: curve.closed), max_size=5), st.sampled_from([0.002, 0.5]))
-def test_polygons_of_several_curves_are_those_of_each(several: list[Curve], tolerance_mm: float) -> None:
-    areas = polygons_of(several, tolerance_mm)
-    assert [area.wkb for area in areas] == [curve.polygon(tolerance_mm).wkb for curve in several]
 
 
 @given(curves)

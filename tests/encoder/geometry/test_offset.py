@@ -1,16 +1,22 @@
-"""Offsets of shapes whose answer is known."""
+"""Curves beside curves: by hand, many at once, and of any ring."""
 
 from __future__ import annotations
 
 import math
+import time
 
 import numpy as np
 import pytest
+import shapely
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from kerfwise.encoder.geometry import offset
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.geometry.offset import offset_curve
-from kerfwise.rules.case import circle, rect
+from kerfwise.encoder.geometry.offset import offset_curve, offset_together
+from kerfwise.encoder.geometry.offset_batch import offset_curves
+from kerfwise.rule_kit import Curve, circle, rect
+from kerfwise.tests.encoder.geometry.rings import flattened_rings, hausdorff_mm, is_simple, star_rings, true_offset
+from kerfwise.tests.tools.amount import examples
 
 QUARTER = math.tan(math.pi / 8)
 
@@ -162,3 +168,129 @@ def test_where_chords_are_taken_of_a_long_ring_they_are_no_more_than_needed(monk
     few = offset_curve(noisy, 0.75)
     assert len(few.segments) < len(fine.segments) / 2
     assert few.line().hausdorff_distance(fine.line()) < offset.TOLERANCE_MM
+
+
+DISTANCES_MM = (0.75, -0.75, 2.0, -2.0)
+
+
+def angular(seed: int) -> Curve:
+    """The largest of what some rectangles cover together, turned."""
+    rng = np.random.default_rng(seed)
+    at, size = rng.uniform(0, 30, (4, 2)), rng.uniform(4, 30, (4, 2))
+    covered = shapely.union_all(shapely.box(*at.T, *(at + size).T))
+    ring = max(shapely.get_parts(covered), key=lambda p: float(p.area)).exterior
+    (x, y), turn = shapely.get_coordinates(ring)[:-1].T, rng.uniform(0, math.tau)
+    turned = x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn)
+    return Curve(np.column_stack([*turned, 0 * x]))
+
+
+def comb(mouth_mm: float) -> Curve:
+    wide_mm = 20 + mouth_mm
+    walls = [(wide_mm, 0), (wide_mm, 30), (10 + mouth_mm, 30), (10 + mouth_mm, 10), (10, 10), (10, 30)]
+    return Curve.of([(0, 0), *walls, (0, 30)])
+
+
+def made(curve: Curve, distance_mm: float) -> bytes | str:
+    try:
+        return offset_curve(curve, distance_mm).vertices.tobytes()
+    except ValueError as error:
+        return str(error)
+
+
+@pytest.mark.slow
+def test_what_neighbours_tell_is_what_areas_give(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = 0
+    for seed in range(30):
+        curve = angular(seed)
+        for distance_mm in DISTANCES_MM:
+            beside = offset_curves([curve], [distance_mm])[0]
+            if beside is None or len(curve.vertices) < 6:  # of convex curves areas may begin elsewhere
+                continue
+            told += 1
+            with monkeypatch.context() as areas:
+                areas.setattr(offset, "offset_curves", lambda curves, _: [None] * len(curves))
+                assert made(Curve(curve.vertices), distance_mm) == beside.vertices.tobytes()
+            wanted = max(shapely.get_parts(true_offset(curve, distance_mm)), key=lambda p: float(p.area)).exterior
+            assert hausdorff_mm(beside.line(0.0005), wanted) < 0.01
+    assert told > 20
+
+
+def test_many_together_are_as_one_by_one() -> None:
+    curves = [angular(seed) for seed in range(30)] + [Curve.of([(-9, 0, 1), (9, 0, 1)]), comb(1.0)]
+    distances_mm = [DISTANCES_MM[k % 4] for k in range(len(curves))]
+    alone = [made(Curve(c.vertices), mm) for c, mm in zip(curves, distances_mm, strict=True)]
+    offset_together(curves, distances_mm)
+    assert sum(curve.beside[mm] is not None for curve, mm in zip(curves, distances_mm, strict=True)) > 10
+    assert [made(c, mm) for c, mm in zip(curves, distances_mm, strict=True)] == alone
+
+
+@pytest.mark.parametrize(("mouth_mm", "told"), [(1.0, False), (1.4999, False), (1.5001, False), (1.6, True)])
+def test_a_neck_about_as_wide_as_the_kerf_is_left_to_areas(mouth_mm: float, told: bool) -> None:
+    assert (offset_curves([comb(mouth_mm)], [0.75])[0] is not None) == told
+
+
+def test_curves_without_area_or_offset_are_passed_over() -> None:
+    flat, square = Curve.of([(0, 0), (9, 0)]), Curve.of([(0, 0), (9, 0), (9, 9), (0, 9)])
+    offset_together([flat, square], [1.0, 0.0])
+    assert not flat.beside
+    assert not square.beside
+    assert offset_curves([], []) == []
+
+
+DISTANCES = st.sampled_from([0.1, -0.1, 0.75, -0.75, 2.0, -2.0])
+
+
+@pytest.mark.slow
+@examples(80)
+@given(st.one_of(star_rings(), flattened_rings()), DISTANCES)
+def test_an_offset_is_within_a_hundredth_of_the_true_one(drawn: Curve, distance_mm: float) -> None:
+    assume(is_simple(drawn))
+    wanted = true_offset(drawn, distance_mm)
+    try:
+        moved = offset_curve(drawn, distance_mm)
+    except ValueError:
+        pieces = len(shapely.get_parts(wanted)) + int(shapely.get_num_interior_rings(wanted))
+        assert pieces != 1 or wanted.area < 0.1
+        return
+    assert hausdorff_mm(moved.line(0.0005), max(shapely.get_parts(wanted), key=lambda p: p.area).exterior) < 0.01
+    assert moved.is_ccw == drawn.is_ccw
+    assert moved.polygon(0.0005).buffer(-0.001 * np.sign(distance_mm)).is_valid
+
+
+@examples(60)
+@given(star_rings(), DISTANCES)
+def test_lines_stay_lines_and_arcs_concentric_arcs(drawn: Curve, distance_mm: float) -> None:
+    assume(is_simple(drawn))
+    try:
+        moved = offset_curve(drawn, distance_mm)
+    except ValueError:
+        assume(False)
+    centres = np.array([s.centre for s in drawn.segments if s.is_arc] + [s.start for s in drawn.segments])
+    arcs = [s for s in moved.segments if s.is_arc and s.length_mm > 0.1]
+    for arc in arcs:
+        assert np.hypot(*(centres - arc.centre).T).min() < 0.02
+    lines = [s for s in moved.segments if not s.is_arc and s.length_mm > 0.2]
+    drawn_lines = [s for s in drawn.segments if not s.is_arc]
+    for line in lines:
+        (ux, uy), found = line.tangent_at(0), [s.tangent_at(0) for s in drawn_lines]
+        assert any(abs(ux * vy - uy * vx) < 0.02 for vx, vy in found)
+
+
+@pytest.mark.slow
+def test_thousands_of_tiny_chords_take_little_time() -> None:
+    a = np.arange(5000) * 2 * np.pi / 5000
+    radius = 200 + 20 * np.cos(9 * a) + 3 * np.cos(40 * a)
+    drawn = Curve(np.column_stack([radius * np.cos(a), radius * np.sin(a), 0 * a]))
+    began = time.process_time()
+    moved = offset_curve(drawn, 0.75)
+    assert time.process_time() - began < 4
+    chords = shapely.STRtree(shapely.linestrings(np.stack([drawn.flatten(), np.roll(drawn.flatten(), -1, 0)], axis=1)))
+    points = shapely.points(shapely.get_coordinates(shapely.segmentize(moved.line(), 0.2)))
+    distance = shapely.distance(points, chords.geometries[chords.nearest(points)])
+    assert np.abs(distance - 0.75).max() < 0.01
+
+
+def test_the_comparison_can_fail() -> None:
+    drawn = Curve.of([(0, 0), (20, 0), (20, 20), (0, 20)])
+    moved = offset_curve(drawn, 0.77)
+    assert 0.01 < hausdorff_mm(moved.line(0.0005), true_offset(drawn, 0.75).exterior) < 0.03

@@ -9,9 +9,11 @@ from hypothesis import strategies as st
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.geometry import segment_arrays
-from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import lines_of, polygons_of
 from kerfwise.encoder.geometry.segment_arrays import SegmentArrays
+from kerfwise.rule_kit import Curve
 from kerfwise.tests.encoder.geometry.rings import star_rings
+from kerfwise.tests.encoder.geometry.test_curve_points import curves
 from kerfwise.tests.tools.amount import examples
 
 
@@ -94,3 +96,15 @@ def test_at_a_corner_the_tangents_before_and_after_differ() -> None:
     assert before.tolist() == [[0, -1], [1, 0], [0, -1]]
     assert after.tolist() == [[1, 0], [0, 1], [1, 0]]
     assert square.turn_rad == pytest.approx([np.pi / 2] * 4)
+
+
+@given(st.lists(curves, max_size=5), st.sampled_from([0.002, 0.01, 0.5]))
+def test_lines_of_several_curves_are_those_of_each(several: list[Curve], tolerance_mm: float) -> None:
+    lines = lines_of(several, tolerance_mm)
+    assert [line.coords[:] for line in lines] == [curve.line(tolerance_mm).coords[:] for curve in several]
+
+
+@given(st.lists(curves.filter(lambda curve: curve.closed), max_size=5), st.sampled_from([0.002, 0.5]))
+def test_polygons_of_several_curves_are_those_of_each(several: list[Curve], tolerance_mm: float) -> None:
+    areas = polygons_of(several, tolerance_mm)
+    assert [area.wkb for area in areas] == [curve.polygon(tolerance_mm).wkb for curve in several]

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import json
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +13,8 @@ import ezdxf
 import pytest
 import shapely
 
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest, Note
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.encoder.readers.drawing import DrawnCurve
-from kerfwise.encoder.readers.reading import Reading
+import kerfwise
+from kerfwise import Nest, Profile
 
 Draw = Callable[[Any], object]
 
@@ -30,7 +30,27 @@ def save_dxf(folder: Path, draw: Draw, units: int = 4, version: str = "R2000") -
 
 
 def read_dxf(folder: Path, draw: Draw, units: int = 4, **options: Any) -> Nest:
-    return read_nest(save_dxf(folder, draw, units), ReadOptions(**options))
+    return read_drawing(save_dxf(folder, draw, units), **options)
+
+
+def read_drawing(path: Path, *, kerf_mm: float = 0.01, spot_mm: float = 2.0, **said: Any) -> Nest:
+    """A file as `kerfwise.read_nest` reads it: what that takes, and keys of a profile's section `drawing`.
+
+    With the thinnest kerf that a profile may have, lines that lie apart are never one line drawn twice.
+    """
+    own = {key: said.pop(key) for key in ("units", "sheet_mm", "frame", "repair", "refit_arcs_mm") if key in said}
+    answers: Iterable[tuple[str, str]] = said.pop("answers", ())
+    plant = {"material": {"kerf": f"{kerf_mm} mm"}, "small_holes": {"spot_size": f"{spot_mm} mm"}, "drawing": said}
+    text = "".join(f"{section}: {json.dumps(values, ensure_ascii=False)}\n" for section, values in plant.items())
+    return kerfwise.read_nest(path, _plant(text), answers=dict(answers), **own)
+
+
+@cache
+def _plant(text: str) -> Profile:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "plant.yaml")
+        path.write_text(text, encoding="utf-8")
+        return kerfwise.load_profile(path)
 
 
 def sheet(space: Any, width: float = 400, height: float = 300) -> None:
@@ -50,17 +70,7 @@ def square(x: float, y: float, side: float) -> list[tuple[float, float]]:
     return [(x, y), (x + side, y), (x + side, y + side), (x, y + side)]
 
 
-def pieces(*rows: Sequence[Sequence[float]], closed: bool = False) -> list[DrawnCurve]:
-    """Open pieces (closed on demand) in the order given."""
-    return [DrawnCurve(Curve.of(r, closed=closed), "0", k) for k, r in enumerate(rows)]
-
-
-def segments(points: Sequence[tuple[float, float]]) -> list[list[tuple[float, float]]]:
-    """The sides of a polygon, one by one."""
-    return [[a, b] for a, b in zip(points, [*points[1:], points[0]], strict=True)]
-
-
-def texts(notes: Sequence[Note], severity: str | None = None) -> list[str]:
+def texts(notes: Sequence[Any], severity: str | None = None) -> list[str]:
     return [n.text for n in notes if severity in (None, n.severity)]
 
 
@@ -80,7 +90,7 @@ def near(*sides: float) -> Any:
     return pytest.approx(sides, abs=2e-3)
 
 
-def reading(nest: Nest) -> Reading:
+def reading(nest: Nest) -> Any:
     """What the readers told of a drawing."""
     assert nest.reading is not None
     return nest.reading

@@ -4,7 +4,8 @@ import pytest
 
 from kerfwise.encoder.readers.drawing import DrawnCurve
 from kerfwise.encoder.readers.nest_from_drawing import assemble
-from kerfwise.tests.encoder.readers.drawings import pieces, square, texts
+from kerfwise.tests.encoder.readers.drawings import square, texts
+from kerfwise.tests.encoder.readers.pieces import pieces
 
 
 def rings(*squares: tuple[float, float, float]) -> list[DrawnCurve]:

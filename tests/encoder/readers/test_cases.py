@@ -7,23 +7,21 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.questions import Questions
-from kerfwise.encoder.readers import ReadOptions, read_nest
+from kerfwise import InputError, Nest, Questions
+from kerfwise.tests.encoder.readers.drawings import read_drawing
 
 CASES = Path(__file__).parent / "cases"
 PART = {"frame": "part"}
 
 
 def read(name: str, answers: dict[str, str], **options: Any) -> Nest:
-    return read_nest(CASES / name, ReadOptions(answers=tuple(answers.items()), **options))
+    return read_drawing(CASES / name, answers=tuple(answers.items()), **options)
 
 
 def asked(name: str, **options: Any) -> dict[str, list[str]]:
     """The questions of a file with the choices of each."""
     with pytest.raises(Questions) as error:
-        read_nest(CASES / name, ReadOptions(**options))
+        read_drawing(CASES / name, **options)
     return {question.id: [choice.value for choice in question.choices] for question in error.value.questions}
 
 
@@ -116,7 +114,7 @@ def test_what_it_holds_once_it_is_answered(
 
 def test_colours_as_a_plant_maps_them() -> None:
     nest = read(
-        "71-svg-colours-cut-and-engrave.svg", PART, colours=(("red", "cut"), ("blue", "mark"), ("black", "ignore"))
+        "71-svg-colours-cut-and-engrave.svg", PART, layers={"colour": {"red": "cut", "blue": "mark", "black": "ignore"}}
     )
     assert list(sizes(nest)) == ["P1.mark1", "P1.hole1", "P1.outer"]
 
@@ -129,5 +127,5 @@ def test_a_number_with_a_comma_is_refused_with_its_line() -> None:
 
 
 def test_a_part_at_the_origin_does_not_hang_off_a_given_sheet() -> None:
-    nest = read("78-dxf-part-at-the-origin.dxf", {}, sheet_size_mm=(1000.0, 500.0))
+    nest = read("78-dxf-part-at-the-origin.dxf", {}, sheet_mm=(1000.0, 500.0))
     assert nest.sheet.bounds == (-10, -10, 990, 490)

@@ -51,7 +51,7 @@ def test_corners_that_overrun_are_cut_back(tmp_path: Path) -> None:
 
 
 def test_an_overrun_that_is_no_longer_than_the_tolerance_needs_no_word(tmp_path: Path) -> None:
-    nest = read_dxf(tmp_path, drawn(*OVERRUN), join_tolerance_mm=0.6)
+    nest = read_dxf(tmp_path, drawn(*OVERRUN), join_tolerance="0.6 mm")
     assert areas(nest) == {"P1.outer": 2500, "P2.outer": 6000}
     assert texts(nest.notes) == []
 

@@ -3,37 +3,10 @@ from pathlib import Path
 import ezdxf
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers import read_nest
-from kerfwise.encoder.readers.drawing import DEEPEST, MOST_COPIES, check_copies
+from kerfwise import InputError
+from kerfwise.tests.encoder.readers.drawings import read_drawing
 
 LEVELS = 24
-
-
-def test_as_many_copies_as_may_be_and_one_more() -> None:
-    def drawing(copies: int) -> None:
-        check_copies("sheet", {"sheet": (7, [("part", copies // 2)]), "part": (1, [])}.__getitem__, "block")
-
-    drawing(MOST_COPIES)
-    with pytest.raises(InputError, match=f"unfolds to {MOST_COPIES + 2:,} copies"):
-        drawing(MOST_COPIES + 2)
-
-
-def test_blocks_within_blocks_are_counted_once_however_often_they_are_used() -> None:
-    asked = []
-
-    def made_of(level: int) -> tuple[int, list[tuple[int, int]]]:
-        asked.append(level)
-        return 1, [(level + 1, 1), (level + 1, 1)] if level < LEVELS else []
-
-    with pytest.raises(InputError, match=f"unfolds to {2 ** (LEVELS + 2) - 4:,} copies"):
-        check_copies(0, made_of, "block")
-    assert len(asked) <= LEVELS + 2
-
-
-def test_a_block_that_contains_itself() -> None:
-    with pytest.raises(InputError, match=f"over {DEEPEST} deep: a block seems to contain itself"):
-        check_copies("a", {"a": (0, [("b", 2)]), "b": (0, [("a", 2)])}.__getitem__, "block")
 
 
 def blocks_of_two(file: Path, leaf: bool) -> None:
@@ -54,7 +27,7 @@ def test_two_dozen_blocks_of_two_are_refused_at_once(tmp_path: Path, leaf: bool)
     file = tmp_path / "bomb.dxf"
     blocks_of_two(file, leaf)
     with pytest.raises(InputError, match=r"bomb\.dxf: the drawing unfolds to [\d,]{10} copies of") as refused:
-        read_nest(file)
+        read_drawing(file)
     assert "\n" not in str(refused.value)
 
 
@@ -65,7 +38,7 @@ def test_rows_of_nothing_are_refused_too(tmp_path: Path) -> None:
     document.modelspace().add_blockref("nothing", (0, 0), dxfattribs=rows)
     document.saveas(tmp_path / "rows.dxf")
     with pytest.raises(InputError, match="unfolds to 900,000,000 copies"):
-        read_nest(tmp_path / "rows.dxf")
+        read_drawing(tmp_path / "rows.dxf")
 
 
 def test_clones_of_clones_are_refused_at_once(tmp_path: Path) -> None:
@@ -74,11 +47,11 @@ def test_clones_of_clones_are_refused_at_once(tmp_path: Path) -> None:
     file = tmp_path / "bomb.svg"
     file.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm">{body}</svg>')
     with pytest.raises(InputError, match=r"unfolds to 134,217,624 copies of what its clones hold"):
-        read_nest(file)
+        read_drawing(file)
 
 
 def test_a_clone_that_contains_itself(tmp_path: Path) -> None:
     file = tmp_path / "snake.svg"
     file.write_text('<svg xmlns="http://www.w3.org/2000/svg"><g id="a"><use href="#a"/></g></svg>')
     with pytest.raises(InputError, match="a clone seems to contain itself"):
-        read_nest(file)
+        read_drawing(file)

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from kerfwise.encoder.candidates import LeadOptions, build_candidates
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.encoder.readers.layers import Layers
-from kerfwise.encoder.torch_path import TabOptions
-from kerfwise.tests.encoder.readers.drawings import lines, read_dxf, sheet, square
+import kerfwise
+from kerfwise import InputError
+from kerfwise.tests.encoder.readers.drawings import lines, read_drawing, read_dxf, sheet, square
 
 SVG = """\
 <svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="100mm" viewBox="0 0 200 100">
@@ -66,7 +62,7 @@ def test_a_circle_on_the_outline_says_its_place(tmp_path: Path) -> None:
 
 def test_a_group_of_an_svg_has_tabs(tmp_path: Path) -> None:
     (tmp_path / "drawing.svg").write_text(SVG, encoding="utf-8")
-    (part,) = read_nest(tmp_path / "drawing.svg").parts
+    (part,) = read_drawing(tmp_path / "drawing.svg").parts
     assert [tab.at for tab in part.tabs] == [(50, 40)]
 
 
@@ -86,18 +82,14 @@ def test_what_is_no_tab_is_refused(tmp_path: Path, drawn: Any, why: str) -> None
 
 
 def test_a_plant_names_the_layer(tmp_path: Path) -> None:
-    nest = read_dxf(tmp_path, lambda s: tabbed(s, ((30, 8), (30, 13)), layer="7"), layers=replace(Layers(), tab="^7$"))
+    nest = read_dxf(tmp_path, lambda s: tabbed(s, ((30, 8), (30, 13)), layer="7"), layers={"tab": "^7$"})
     assert [len(part.tabs) for part in nest.parts] == [1, 0]
-
-
-@pytest.mark.parametrize("name", ["Tabelle", "Stable", "label tab", "TABLE"])
-def test_other_words_are_no_tabs(name: str) -> None:
-    assert Layers().use([name]).purpose != "tab"
 
 
 def test_the_planner_leaves_them_there(tmp_path: Path) -> None:
     nest = read_dxf(tmp_path, lambda space: tabbed(space, ((30, 8), (30, 13))))
-    options = LeadOptions(kerf_mm=0.4, lead_in_mm=4.0, tabs=TabOptions("nest", 0.5, 1, 3.0, 60.0, "y", at_end=False))
-    ways = [way for way in build_candidates(nest, options) if nest.contours[way.contour].id == "P1.outer"]
+    ids = [contour.id for contour in nest.contours]
+    plant = tmp_path / "plant.yaml"
+    plant.write_text("based_on: laser-st10kp-2mm\nrules: {hold-small-parts: {strength: hard, tabs: nest, count: 1}}\n")
+    ways = [way for way in kerfwise.facts(nest, plant).candidates if ids[way.contour] == "P1.outer"]
     assert {tuple(tab.at for tab in way.tabs) for way in ways} == {((30.0, 10.0),)}
-    assert ReadOptions().layers.tab

@@ -7,11 +7,8 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.questions import Questions
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.encoder.readers.layers import Layers
-from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, save_dxf, sheet, square, texts
+from kerfwise import InputError, Questions
+from kerfwise.tests.encoder.readers.drawings import areas, lines, read_drawing, read_dxf, save_dxf, sheet, square, texts
 
 
 def one_part(space: Any) -> None:
@@ -28,12 +25,12 @@ def test_units_come_from_the_header(tmp_path: Path, code: int, side: float) -> N
 
 def test_units_can_be_overridden(tmp_path: Path) -> None:
     path = save_dxf(tmp_path, one_part, units=1)
-    assert read_nest(path, ReadOptions(units="cm")).sheet.bounds[2] == 4000
+    assert read_drawing(path, units="cm").sheet.bounds[2] == 4000
 
 
 def units_asked(path: Path) -> list[str]:
     with pytest.raises(Questions) as error:
-        read_nest(path, ReadOptions(frame="part"))
+        read_drawing(path, frame="part")
     [question] = error.value.questions
     assert question.id == "units"
     return [choice.value for choice in question.choices]
@@ -49,7 +46,7 @@ def test_an_unknown_unit_is_asked_about_where_it_may_be_inches(tmp_path: Path) -
 
     path = save_dxf(tmp_path, small, units=3)
     assert units_asked(without(path, "$MEASUREMENT")) == ["mm", "in"]
-    assert read_nest(path, ReadOptions(units="mm")).parts[0].polygon.bounds[2] == 48
+    assert read_drawing(path, units="mm").parts[0].polygon.bounds[2] == 48
 
 
 def without(path: Path, name: str) -> Path:
@@ -83,7 +80,7 @@ def test_what_the_header_says_and_what_it_contradicts(
     path = tmp_path / "drawing.dxf"
     document.saveas(path)
     if expected is None:
-        assert read_nest(path).parts
+        assert read_drawing(path).parts
     else:
         assert units_asked(path) == expected
 
@@ -95,7 +92,7 @@ def test_a_file_without_header_is_in_mm(tmp_path: Path) -> None:
         body += ["0", "LINE", "8", "0", "10", str(x0), "20", str(y0), "11", str(x1), "21", str(y1)]
     path.write_text("\n".join([*body, "0", "ENDSEC", "0", "EOF", ""]))
     assert units_asked(path) == ["mm", "in"]
-    assert areas(read_nest(path, ReadOptions(units="mm"))) == {"P1.outer": 900}
+    assert areas(read_drawing(path, units="mm")) == {"P1.outer": 900}
 
 
 @pytest.mark.parametrize("version", ["R12", "R2000", "R2007", "R2018"])
@@ -104,7 +101,7 @@ def test_every_version_of_the_format(tmp_path: Path, version: str) -> None:
         lines(space, square(10, 10, 50))
         space.add_circle((35, 35), 10)
 
-    nest = read_nest(save_dxf(tmp_path, draw, version=version), ReadOptions(frame="part", units="mm"))
+    nest = read_drawing(save_dxf(tmp_path, draw, version=version), frame="part", units="mm")
     assert [c.id for c in nest.contours] == ["P1.hole1", "P1.outer"]
 
 
@@ -114,7 +111,7 @@ def test_binary_dxf(tmp_path: Path) -> None:
 
     ezdxf.readfile(path).saveas(path, fmt="bin")
     assert path.read_bytes().startswith(b"AutoCAD Binary DXF")
-    assert areas(read_nest(path)) == {"P1.outer": 2500}
+    assert areas(read_drawing(path)) == {"P1.outer": 2500}
 
 
 def test_sheet_and_marks_by_layer(tmp_path: Path) -> None:
@@ -135,7 +132,7 @@ def test_layers_by_the_plants_own_names(tmp_path: Path) -> None:
         lines(space, square(10, 10, 50), layer="PLATES")
         space.add_line((20, 20), (40, 20), dxfattribs={"layer": "Körner"})
 
-    nest = read_dxf(tmp_path, draw, layers=Layers(sheet="^blech$", mark="körner"))
+    nest = read_dxf(tmp_path, draw, layers={"sheet": "^blech$", "mark": "körner"})
     assert nest.sheet.bounds == (0, 0, 200, 200)
     assert [c.id for c in nest.contours] == ["P1.mark1", "P1.outer"]
     assert texts(nest.notes) == [
@@ -234,14 +231,14 @@ def test_a_file_that_breaks_off(tmp_path: Path) -> None:
     data = path.read_bytes()
     path.write_bytes(data[: data.rindex(b"LINE")])
     with pytest.raises(InputError, match="the DXF file breaks off: its end mark EOF is missing"):
-        read_nest(path)
+        read_drawing(path)
 
 
 def test_repair_reads_a_broken_file_as_far_as_it_goes(tmp_path: Path) -> None:
     path = save_dxf(tmp_path, one_part)
     data = path.read_bytes()
     path.write_bytes(data[: data.rindex(b"EOF")])
-    notes = read_nest(path, ReadOptions(repair=True)).notes
+    notes = read_drawing(path, repair=True).notes
     assert texts(notes, "repaired") == ["the DXF file breaks off before its end mark EOF: read as far as it goes"]
 
 
@@ -259,13 +256,13 @@ def test_what_is_no_dxf(tmp_path: Path, data: bytes, said: str) -> None:
     path = tmp_path / "broken.dxf"
     path.write_bytes(data)
     with pytest.raises(InputError, match=said) as error:
-        read_nest(path)
+        read_drawing(path)
     assert error.value.file == path
 
 
 def test_a_sheet_too_small_for_its_part(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="1 problem") as error:
-        read_dxf(tmp_path, lambda s: lines(s, square(0, 0, 70)), sheet_size_mm=(50, 100))
+        read_dxf(tmp_path, lambda s: lines(s, square(0, 0, 70)), sheet_mm=(50, 100))
     assert error.value.details[0].startswith("P1.outer reaches 20.000 mm off the sheet at ")
 
 
@@ -273,9 +270,6 @@ def test_a_sheet_too_small_for_its_part(tmp_path: Path) -> None:
 def test_remarks_of_the_dxf_library_stay_off_the_terminal(tmp_path: Path) -> None:
     path = save_dxf(tmp_path, lambda s: lines(s, square(10, 10, 50)), version="R12")
     path.write_text(path.read_text().replace("LINE\n", "LINE\n  5\nno handle\n"))
-    script = (
-        "import sys; from kerfwise.encoder.readers import ReadOptions, read_nest\n"
-        "print(len(read_nest(sys.argv[1], ReadOptions(units='mm')).parts))"
-    )
+    script = "import sys, kerfwise\nprint(len(kerfwise.read_nest(sys.argv[1], units='mm').parts))"
     run = subprocess.run([sys.executable, "-c", script, str(path)], capture_output=True, text=True, check=True)
     assert (run.stdout, run.stderr) == ("1\n", "")

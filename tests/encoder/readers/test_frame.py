@@ -5,10 +5,8 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.questions import Question, Questions
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, save_dxf, square, texts
+from kerfwise import InputError, Questions
+from kerfwise.tests.encoder.readers.drawings import areas, lines, read_drawing, read_dxf, save_dxf, square, texts
 
 ASKED = (
     "a rectangle of 200 × 200 mm is drawn around everything, at (0.000, 0.000) on layer '0', and no layer says whether "
@@ -21,7 +19,7 @@ def framed(space: Any, layer: str = "0") -> None:
     lines(space, square(50, 60, 20))
 
 
-def asked(folder: Path, draw: Any, **options: Any) -> Question:
+def asked(folder: Path, draw: Any, **options: Any) -> Any:
     with pytest.raises(Questions) as error:
         read_dxf(folder, draw, **options)
     [question] = error.value.questions
@@ -52,18 +50,18 @@ def test_parts_with_holes_make_it_the_sheet_most_likely(tmp_path: Path) -> None:
 def test_an_answer_is_taken(tmp_path: Path) -> None:
     assert areas(read_dxf(tmp_path, framed, answers=(("frame", "sheet"),))) == {"P1.outer": 400}
     assert areas(read_dxf(tmp_path, framed, answers=(("frame", "part"),))) == {"P1.outer": 40_000, "P1.hole1": 400}
-    with pytest.raises(InputError, match="the answer frame=board is none of the choices: expected part, sheet"):
+    with pytest.raises(InputError, match="the answer frame=board is none of the choices: expected sheet, part"):
         read_dxf(tmp_path, framed, answers=(("frame", "board"),))
 
 
 def test_it_is_what_the_options_say(tmp_path: Path) -> None:
     path = save_dxf(tmp_path, framed)
-    nest = read_nest(path, ReadOptions(frame="sheet"))
+    nest = read_drawing(path, frame="sheet")
     assert (areas(nest), nest.sheet.bounds) == ({"P1.outer": 400}, (0, 0, 200, 200))
     assert texts(nest.notes) == [
         "the rectangle around everything, 200 × 200 mm, at (0.000, 0.000) on layer '0', is the sheet"
     ]
-    assert areas(read_nest(path, ReadOptions(frame="part"))) == {"P1.outer": 40_000, "P1.hole1": 400}
+    assert areas(read_drawing(path, frame="part")) == {"P1.outer": 40_000, "P1.hole1": 400}
 
 
 @pytest.mark.parametrize(
@@ -71,11 +69,11 @@ def test_it_is_what_the_options_say(tmp_path: Path) -> None:
     [((200, 200), {"P1.outer": 400}), ((1000, 500), {"P1.outer": 40_000, "P1.hole1": 400})],
 )
 def test_the_size_of_the_sheet_may_make_it_plain(tmp_path: Path, size: tuple[float, float], found: Any) -> None:
-    assert areas(read_dxf(tmp_path, framed, sheet_size_mm=size)) == found
+    assert areas(read_dxf(tmp_path, framed, sheet_mm=size)) == found
 
 
 def test_a_rectangle_a_little_smaller_than_the_sheet_may_be_its_margin(tmp_path: Path) -> None:
-    assert asked(tmp_path, framed, sheet_size_mm=(220, 220)).text == ASKED
+    assert asked(tmp_path, framed, sheet_mm=(220, 220)).text == ASKED
 
 
 def test_a_frame_drawn_twice_is_one(tmp_path: Path) -> None:
@@ -117,6 +115,6 @@ def test_a_rectangle_as_large_as_the_page_is_asked_about(tmp_path: Path) -> None
         '<rect width="200" height="100"/><rect x="20" y="20" width="40" height="40"/></svg>'
     )
     with pytest.raises(Questions) as error:
-        read_nest(path)
+        read_drawing(path)
     assert "as large as the page" in error.value.questions[0].text
-    assert areas(read_nest(path, ReadOptions(answers=(("frame", "sheet"),)))) == {"P1.outer": 1600}
+    assert areas(read_drawing(path, answers=(("frame", "sheet"),))) == {"P1.outer": 1600}

@@ -12,9 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.tests.encoder.readers.drawings import lines, square
+from kerfwise import InputError
+from kerfwise.tests.encoder.readers.drawings import lines, read_drawing, square
 from kerfwise.tests.tools.amount import examples
 
 SEEDS = st.binary(max_size=12) | st.sampled_from(
@@ -66,7 +65,7 @@ def survives(data: bytes, suffix: str, repair: bool) -> None:
         path = Path(folder, f"nest{suffix}")
         path.write_bytes(data)
         with contextlib.suppress(InputError):
-            nest = read_nest(path, ReadOptions(repair=repair))
+            nest = read_drawing(path, repair=repair)
             assert nest.contours
             assert all(c.polygon.is_valid for c in nest.contours if c.kind != "mark")
 
@@ -77,7 +76,7 @@ def test_the_seeds_are_sound() -> None:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, f"nest{suffix}")
             path.write_bytes(small(suffix))
-            assert len(read_nest(path).parts) >= 2
+            assert len(read_drawing(path).parts) >= 2
 
 
 def test_a_dxf_header_that_breaks_off_at_any_line() -> None:

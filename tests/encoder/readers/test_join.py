@@ -1,12 +1,20 @@
+"""Ends that meet, pieces that are joined to rings, and lines drawn twice."""
+
+import itertools
 import math
 import random
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.readers.join import join
-from kerfwise.tests.encoder.readers.drawings import pieces, segments, square
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.join import Trail, endpoint_clusters, join, trace
+from kerfwise.encoder.readers.open_lines import open_end_problems
+from kerfwise.encoder.readers.trim import trim_overlaps
+from kerfwise.tests.encoder.readers.drawings import square
+from kerfwise.tests.encoder.readers.pieces import pieces, segments
 from kerfwise.tests.tools.amount import examples
 
 Points = list[tuple[float, float]]
@@ -162,3 +170,118 @@ def test_lines_that_overlap_without_end_come_to_one() -> None:
     joined = join(pieces(hook, loop), 0.1)
     assert joined.repeats
     assert len(joined.rings) + len(joined.chains) >= 1
+
+
+def numbers(ends: list[tuple[float, float]], lengths: list[float], tolerance: float = 0.1) -> list[int]:
+    return endpoint_clusters(np.array(ends, dtype=float), np.array(lengths), tolerance).tolist()
+
+
+def test_ends_a_rounding_apart_are_one_point_however_many() -> None:
+    found = numbers([(0, 0), (9, 0), (9, 1e-4), (9, 9), (9, -1e-4), (0, 9)], [9, 9, 13])
+    assert found[1] == found[2] == found[4]
+    assert len(set(found)) == 4
+
+
+@pytest.mark.parametrize(("gap", "meet"), [(0.0, True), (0.05, True), (0.0999, True), (0.11, False)])
+def test_lone_ends_meet_within_the_tolerance(gap: float, meet: bool) -> None:
+    found = numbers([(0, 0), (10, 0), (10 + gap, 0), (20, 0)], [10, 10])
+    assert (found[1] == found[2]) is meet
+
+
+def test_the_closest_pair_meets_and_the_third_stays_alone() -> None:
+    found = numbers([(0, 0), (10, 0), (10.09, 0), (20, 0), (10.03, 0), (10, 20)], [10, 10, 20])
+    assert found[1] == found[4] != found[2]
+
+
+def test_short_chords_do_not_melt_into_one_point() -> None:
+    steps = [k * 0.05 for k in range(41)]
+    ends = [p for a, b in itertools.pairwise(steps) for p in ((a, 0.0), (b, 0.0))]
+    assert len(set(numbers(ends, [0.05] * 40, tolerance=0.1))) == 41
+
+
+def test_a_long_piece_closes_on_itself_and_a_short_one_does_not() -> None:
+    assert len(set(numbers([(0, 0), (0.05, 0)], [100.0]))) == 1
+    assert len(set(numbers([(0, 0), (0.05, 0)], [0.05]))) == 2
+
+
+def traced(nodes: list[tuple[int, int]], twin: dict[int, int] | None = None) -> list[Trail]:
+    group = list(range(len(nodes)))
+    return trace(group, np.array(nodes), twin or {k: k for k in group})
+
+
+def test_a_ring_drawn_in_any_direction_closes() -> None:
+    assert traced([(0, 1), (2, 1), (2, 0)]) == [Trail(((0, True), (1, False), (2, True)), closed=True)]
+
+
+def test_a_piece_that_returns_to_its_start_is_a_ring() -> None:
+    assert traced([(4, 4)]) == [Trail(((0, True),), closed=True)]
+
+
+def test_a_chain_is_followed_from_its_loose_end() -> None:
+    assert traced([(1, 2), (0, 1), (3, 2)]) == [Trail(((1, True), (0, True), (2, False)), closed=False)]
+
+
+def test_two_rings_that_share_a_corner_come_apart() -> None:
+    # squares 0-1-2-3 and 2-4-5-6, drawn one after the other
+    found = traced([(0, 1), (1, 2), (2, 3), (3, 0), (2, 4), (4, 5), (5, 6), (6, 2)])
+    assert [sorted(k for k, _ in t.steps) for t in found] == [[0, 1, 2, 3], [4, 5, 6, 7]]
+    assert all(t.closed for t in found)
+
+
+def test_a_figure_eight_drawn_in_one_go_comes_apart_at_its_waist() -> None:
+    found = traced([(0, 1), (1, 2), (2, 3), (3, 1), (1, 4), (4, 0)])
+    assert sorted(sorted(k for k, _ in t.steps) for t in found) == [[0, 4, 5], [1, 2, 3]]
+
+
+def test_a_line_drawn_twice_is_no_ring_of_two() -> None:
+    found = traced([(0, 1), (0, 1), (1, 2), (2, 0)], twin={0: 0, 1: 0, 2: 2, 3: 3})
+    assert [(len(t.steps), t.closed) for t in found] == [(3, True), (1, False)]
+
+
+def test_every_piece_is_followed_once() -> None:
+    nodes = [(0, 1), (1, 2), (2, 0), (2, 3), (3, 4), (4, 2), (4, 5), (6, 7)]
+    steps = sorted(k for t in traced(nodes) for k, _ in t.steps)
+    assert steps == list(range(len(nodes)))
+
+
+def test_the_later_line_is_cut_back() -> None:
+    left, shared = trim_overlaps(pieces([(0, 0), (6, 0)], [(9, 0), (4, 0)]), 0.1)
+    assert [p.curve.as_rows() for p in left] == [[[0, 0], [6, 0]], [[9, 0], [6, 0]]]
+    assert [p.curve.as_rows() for p in shared] == [[[6, 0], [4, 0]]]
+
+
+def test_one_chain_may_overlap_itself() -> None:
+    ring = [(6, 0), (0, 0), (0, 10), (10, 10), (10, 0), (4, 0)]
+    left, shared = trim_overlaps(pieces(ring), 0.1)
+    assert left[0].curve.as_rows()[-1] == [6, 0]
+    assert len(shared) == 1
+
+
+def test_lines_that_only_meet_are_left_alone() -> None:
+    for other in ([(6, 0), (9, 0)], [(6, 0), (6, 5)], [(3, 0), (3, 5)]):
+        left, shared = trim_overlaps(pieces([(0, 0), (6, 0)], other), 0.1)
+        assert shared == []
+        assert left[1].curve.as_rows() == [list(p) for p in other]
+
+
+def test_arcs_are_left_alone() -> None:
+    assert trim_overlaps(pieces([(0, 0, 0.001), (6, 0)], [(4, 0), (9, 0)]), 0.1)[1] == []
+
+
+def test_nothing_overlaps_nothing() -> None:
+    assert trim_overlaps([], 0.1) == ([], [])
+
+
+def test_each_open_line_says_where_and_how_far() -> None:
+    near, far = open_end_problems(pieces([(0, 0), (10, 0)], [(10.3, 0), (200, 0)]), ReadOptions())
+    assert near == (
+        "the line of 10.000 mm from (0.000, 0.000) to (10.000, 0.000) on layer '0' is open: the end at (10.000, 0.000) "
+        "is 0.300 mm from any other: close the line in CAD, raise drawing.join_tolerance over 0.300 mm, "
+        "or try --repair (in Python: repair=True)"
+    )
+    assert "the end at (10.300, 0.000) is 0.300 mm from any other" in far
+
+
+def test_no_tolerance_is_advised_for_a_wide_gap() -> None:
+    [said] = open_end_problems(pieces([(0, 0), (100, 0)]), ReadOptions())
+    assert said.endswith("is 100.000 mm from any other: close the line in CAD")

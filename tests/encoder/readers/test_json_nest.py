@@ -1,17 +1,12 @@
 import json
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from jsonschema import Draft202012Validator
 
-from kerfwise.encoder.errors import REPAIR, InputError
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import ReadOptions, json_nest, read_nest
-from kerfwise.encoder.readers.json_nest import validator
-from kerfwise.tests.encoder.readers.drawings import areas, texts
+from kerfwise import InputError, Nest
+from kerfwise.tests.encoder.readers.drawings import areas, read_drawing, texts
 
 Document = dict[str, Any]
 
@@ -38,12 +33,7 @@ def document() -> Document:
 def read(folder: Path, given: object, **options: Any) -> Nest:
     path = folder / "nest.json"
     path.write_text(given if isinstance(given, str) else json.dumps(given, indent=1), encoding="utf-8")
-    return read_nest(path, ReadOptions(**options))
-
-
-def test_the_published_schema_is_a_schema() -> None:
-    Draft202012Validator.check_schema(validator().schema)
-    assert validator().is_valid(document())
+    return read_drawing(path, **options)
 
 
 def test_everything_of_the_format(tmp_path: Path) -> None:
@@ -219,16 +209,16 @@ def test_bytes_that_are_no_text(tmp_path: Path) -> None:
     path = tmp_path / "nest.json"
     path.write_bytes(b'{"format": "\xff\xfe"}')
     with pytest.raises(InputError, match=r"not JSON: the file is not UTF-8 text \(byte 13: invalid start byte"):
-        read_nest(path)
+        read_drawing(path)
     path.write_bytes('{"format": 1}'.encode("utf-16"))
     with pytest.raises(InputError, match=r"\(it is UTF-16: save it as UTF-8\)"):
-        read_nest(path)
+        read_drawing(path)
 
 
 def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
     path = tmp_path / "nest.json"
     path.write_bytes(b"\xef\xbb\xbf" + json.dumps(document()).encode())
-    assert len(read_nest(path).parts) == 2
+    assert len(read_drawing(path).parts) == 2
 
 
 def test_two_parts_of_one_name(tmp_path: Path) -> None:
@@ -245,7 +235,8 @@ def test_a_ring_of_two_vertices_encloses_nothing(tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
         read(tmp_path, given)
     assert error.value.details == (
-        f"P2.outer encloses no area, at (60.000, 20.000): remove it, or try {REPAIR}, which removes it",
+        "P2.outer encloses no area, at (60.000, 20.000): remove it, or try --repair (in Python: repair=True), which "
+        "removes it",
     )
     assert [c.part for c in read(tmp_path, given, repair=True).contours] == ["P1"] * 4
 
@@ -255,58 +246,3 @@ def test_an_arc_wider_than_the_world_names_its_contour(tmp_path: Path) -> None:
     given["parts"][1]["outer"][0][2] = 1e6
     with pytest.raises(InputError, match=r"P2\.outer: an arc of bulge 1e\+06 is wider than a kilometre$"):
         read(tmp_path, given)
-
-
-WRONG: list[dict[str, Any]] = [
-    {"priority": -0.1}, {"priority": True}, {"quantity": 0}, {"quantity": 2.5}, {"thickness": 0}, {"thickness": "3"},
-    {"due": "soon"}, {"due": 3}, {"material": 5}, {"block": []},
-]  # fmt: skip
-
-
-def test_the_schema_sees_few_vertices_of_plain_parts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It takes a tenth of a second for a thousand of them."""
-    shown: list[Any] = []
-    checked = json_nest.validator()
-
-    class Noted:
-        def iter_errors(self, document: Any) -> Any:
-            shown.append(document)
-            return checked.iter_errors(document)
-
-    monkeypatch.setattr(json_nest, "validator", Noted)
-    ring = [[100 + 50 * math.cos(k / 500), 100 + 50 * math.sin(k / 500)] for k in range(3000)]
-    part = {"id": "A", "outer": ring, "holes": [ring], "marks": [ring]}
-    sheet = {"width": 200, "height": 200}
-    document: dict[str, Any] = {"format": "kerfwise-nest/1", "units": "mm", "sheet": sheet, "parts": [part]}
-    json_nest.check_schema(document, json.dumps(document))
-    assert not shown  # as plain as that it needs no schema at all
-    document["scrap"] = []
-    json_nest.check_schema(document, json.dumps(document))
-    assert len(shown[0]["parts"][0]["outer"]) == json_nest.FEW
-    assert len(json.dumps(shown)) < 1000
-    assert part["holes"] == [ring]
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"format": "kerfwise-nest/2"},
-        {"units": "mile"},
-        {"units": ["mm"]},
-        {"sheet": {"width": 0, "height": 100}},
-        {"sheet": {"width": True, "height": 100}},
-        {"sheet": {"width": 1e7, "height": 100}},
-        {"sheet": {"width": 100}},
-        {"sheet": [100, 100]},
-        {"parts": {}},
-        {"parts": [{"id": "", "outer": [[0, 0], [1, 0], [1, 1]]}]},
-        {"parts": [{"id": "A", "outer": [[0, 0]]}]},
-        {"parts": [None]},
-        *[{"parts": [{"id": "A", "outer": RING, **more}]} for more in WRONG],
-    ],
-)
-def test_a_file_that_the_schema_refuses_is_never_taken_for_plain(change: dict[str, Any]) -> None:
-    given = {"format": "kerfwise-nest/1", "sheet": {"width": 100, "height": 100}, "parts": []} | change
-    assert list(json_nest.validator().iter_errors(given))
-    with pytest.raises(InputError):
-        json_nest.check_schema(given, json.dumps(given))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
+from kerfwise import InputError
 from kerfwise.encoder.readers.layers import DEFAULT, Layers, Use, counted, doubtful, setting, surely_sheet
 
 NAMES = {
@@ -109,3 +109,8 @@ def test_a_wrong_pattern_is_named() -> None:
 
 def test_a_long_list_of_layers_is_cut_short() -> None:
     assert counted([str(k) for k in range(9)], most=2) == "1 on '0', 1 on '1', … and 7 more layers"
+
+
+@pytest.mark.parametrize("name", ["Tabelle", "Stable", "label tab", "TABLE"])
+def test_other_words_are_no_tabs(name: str) -> None:
+    assert Layers().use([name]).purpose != "tab"

@@ -9,10 +9,8 @@ from typing import Any
 import pytest
 from ezdxf.filemanagement import new
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.questions import Questions
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.tests.encoder.readers.drawings import areas, save_dxf, square, texts
+from kerfwise import InputError, Questions
+from kerfwise.tests.encoder.readers.drawings import areas, read_drawing, save_dxf, square, texts
 
 
 def closed(space: Any, x: float, y: float, side: float, **look: Any) -> Any:
@@ -21,7 +19,7 @@ def closed(space: Any, x: float, y: float, side: float, **look: Any) -> Any:
 
 def asked(path: Path, **options: Any) -> dict[str, list[str]]:
     with pytest.raises(Questions) as raised:
-        read_nest(path, ReadOptions(**options))
+        read_drawing(path, **options)
     return {q.id: [c.value for c in q.choices] for q in raised.value.questions}
 
 
@@ -54,7 +52,7 @@ def test_a_line_drawn_as_a_band_is_said(tmp_path: Path) -> None:
         closed(space, 0, 0, 90, const_width=6)
         space.add_lwpolyline([(30, 40, 5, 5, 1), (50, 40, 5, 5, 1)], format="xyseb", close=True)
 
-    nest = read_nest(save_dxf(tmp_path, bands), ReadOptions(frame="part"))
+    nest = read_drawing(save_dxf(tmp_path, bands), frame="part")
     assert "drawn up to 6 mm wide, and cut along the middle: 2 on '0'" in texts(nest.notes)
 
 
@@ -74,13 +72,13 @@ def test_names_that_leave_it_open_what_is_cut_are_asked_about(tmp_path: Path, la
 
     path = save_dxf(tmp_path, drawn, version="R2010")
     assert asked(path, frame="part")[f"layer:{layer}"][0] == likeliest
-    assert "P1.hole1" in areas(read_nest(path, ReadOptions(frame="part", answers=((f"layer:{layer}", "cut"),))))
-    assert "P1.hole1" not in areas(read_nest(path, ReadOptions(answers=((f"layer:{layer}", "ignore"),))))
+    assert "P1.hole1" in areas(read_drawing(path, frame="part", answers=((f"layer:{layer}", "cut"),)))
+    assert "P1.hole1" not in areas(read_drawing(path, answers=((f"layer:{layer}", "ignore"),)))
 
 
 def test_a_layer_that_holds_all_that_is_cut_is_cut_whatever_its_name(tmp_path: Path) -> None:
     path = save_dxf(tmp_path, lambda space: closed(space, 0, 0, 90, layer="Temp"))
-    assert list(areas(read_nest(path, ReadOptions()))) == ["P1.outer"]
+    assert list(areas(read_drawing(path))) == ["P1.outer"]
 
 
 @pytest.mark.parametrize(
@@ -91,7 +89,7 @@ def test_what_a_name_forbids_to_cut_is_left_out(tmp_path: Path, layer: str) -> N
         closed(space, 0, 0, 90, layer="CUT")
         closed(space, 30, 30, 9, layer=layer)
 
-    nest = read_nest(save_dxf(tmp_path, drawn, version="R2010"), ReadOptions())
+    nest = read_drawing(save_dxf(tmp_path, drawn, version="R2010"))
     assert list(areas(nest)) == ["P1.outer"]
     assert any("drawing.layers.ignore matches" in text for text in texts(nest.notes))
 
@@ -100,7 +98,7 @@ def test_what_a_name_forbids_to_cut_is_left_out(tmp_path: Path, layer: str) -> N
     ("code", "side", "mm"), [(9, 4000, 101.6), (10, 0.1, 91.44), (13, 90000, 90), (14, 2, 200), (21, 1, 304.8006)]
 )
 def test_rare_units_of_a_header(tmp_path: Path, code: int, side: float, mm: float) -> None:
-    nest = read_nest(save_dxf(tmp_path, lambda space: closed(space, 0, 0, side), units=code), ReadOptions())
+    nest = read_drawing(save_dxf(tmp_path, lambda space: closed(space, 0, 0, side), units=code))
     assert areas(nest)["P1.outer"] == pytest.approx(mm * mm, rel=1e-6)
 
 
@@ -115,9 +113,9 @@ def test_lines_in_paper_space_alone_are_asked_about(tmp_path: Path) -> None:
     closed(document.layout("Layout1"), 0, 0, 50)
     document.saveas(path := tmp_path / "drawing.dxf")
     assert asked(path)["paper"] == ["read", "ignore"]
-    assert areas(read_nest(path, ReadOptions(answers=(("paper", "read"),)))) == {"P1.outer": 2500}
+    assert areas(read_drawing(path, answers=(("paper", "read"),))) == {"P1.outer": 2500}
     with pytest.raises(InputError, match="nothing to cut"):
-        read_nest(path, ReadOptions(answers=(("paper", "ignore"),)))
+        read_drawing(path, answers=(("paper", "ignore"),))
 
 
 def test_a_file_without_lines_says_what_it_holds(tmp_path: Path) -> None:
@@ -129,7 +127,7 @@ def test_a_file_without_lines_says_what_it_holds(tmp_path: Path) -> None:
         closed(document.layouts.get(name) if name in document.layouts else document.layouts.new(name), 0, 0, 50)
     document.saveas(path := tmp_path / "drawing.dxf")
     with pytest.raises(InputError) as raised:
-        read_nest(path, ReadOptions())
+        read_drawing(path)
     told = "\n".join(raised.value.details)
     for said in ("1 3DFACE", "2 entities are in paper space", "inserts nowhere: 'Bracket'"):
         assert said in told

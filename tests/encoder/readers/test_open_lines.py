@@ -5,13 +5,10 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.questions import Questions
-from kerfwise.encoder.readers import ReadOptions
-from kerfwise.encoder.readers.layers import Layers
+from kerfwise import InputError, Questions
 from kerfwise.tests.encoder.readers.drawings import areas, lines, read_dxf, sheet, square, texts
 
-NAMED = Layers(cut="^(0|G2)$")
+NAMED = {"cut": "^(0|G2)$"}
 
 
 def engraved(space: Any) -> None:
@@ -64,9 +61,9 @@ def test_with_repair_a_circle_beside_an_open_line_is_asked_about(tmp_path: Path)
 
 
 def test_what_the_message_advises_does_it(tmp_path: Path) -> None:
-    marked = read_dxf(tmp_path, engraved, layers=Layers(mark="^G2$"))
+    marked = read_dxf(tmp_path, engraved, layers={"mark": "^G2$"})
     assert [c.id for c in marked.contours] == ["P1.mark1", "P1.mark2", "P1.outer"]
-    left_out = read_dxf(tmp_path, engraved, layers=Layers(ignore="^G2$"))
+    left_out = read_dxf(tmp_path, engraved, layers={"ignore": "^G2$"})
     assert [c.id for c in left_out.contours] == ["P1.outer"]
     assert texts(left_out.notes) == ["left out, as drawing.layers.ignore matches their layers: 2 on 'G2'"]
     both = read_dxf(tmp_path, engraved, layers=NAMED)
@@ -151,7 +148,7 @@ def test_repair_leaves_out_a_stub_but_no_contour_that_is_broken(tmp_path: Path) 
         space.add_line((20, 20), (30, 20), dxfattribs={"layer": "G3"})
 
     assert [c.id for c in read_dxf(tmp_path, alone, repair=True).contours] == ["P1.outer"]
-    both = Layers(cut="^(0|G3)$")
+    both = {"cut": "^(0|G3)$"}
     assert [c.id for c in read_dxf(tmp_path, alone, repair=True, layers=both).contours] == ["P1.mark1", "P1.outer"]
 
     def broken(space: Any) -> None:  # its hole would become a part
@@ -220,12 +217,8 @@ def test_scrap_lines_are_cut_where_a_profile_says_so(tmp_path: Path) -> None:
 
 def test_a_layer_that_a_profile_says_nothing_of_is_asked_about(tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
-        read_dxf(tmp_path, engraved, layers=Layers(cut="^0$"))
+        read_dxf(tmp_path, engraved, layers={"cut": "^0$"})
     assert error.value.message == (
         "drawing.layers says nothing of some lines: 2 on 'G2'; let cut, mark, ignore, sheet, scrap, bridge or tab "
         "match their layers"
     )
-
-
-def test_the_options_come_from_the_library_too() -> None:
-    assert ReadOptions().layers.use(["Gravur"]).purpose == "mark"

@@ -8,10 +8,8 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.questions import Questions
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.tests.encoder.readers.drawings import areas, lines, save_dxf, square
+from kerfwise import InputError, Questions
+from kerfwise.tests.encoder.readers.drawings import areas, lines, read_drawing, save_dxf, square
 
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" width="300mm" height="100mm" viewBox="0 0 300 100">'
 PLATE = '<rect x="10" y="10" width="100" height="60"/>'
@@ -34,19 +32,19 @@ def svg(folder: Path, body: str) -> Path:
 def test_outlines_that_overlap(tmp_path: Path, body: str, join: float | None, notch: float, largest: float) -> None:
     path = svg(tmp_path, PLATE + body)
     with pytest.raises(Questions) as raised:
-        read_nest(path, ReadOptions())
+        read_drawing(path)
     [question] = raised.value.questions
     assert (question.id, [c.value for c in question.choices]) == ("overlap", ["join", "notch", "largest", "refuse"])
     for answer, area in (("join", join), ("notch", notch), ("largest", largest)):
-        found = areas(read_nest(path, ReadOptions(answers=(("overlap", answer),))))
+        found = areas(read_drawing(path, answers=(("overlap", answer),)))
         assert area is None or found == {"P1.outer": pytest.approx(area, rel=2e-3)}
     with pytest.raises(InputError, match="cannot be cut as it is drawn"):
-        read_nest(path, ReadOptions(answers=(("overlap", "refuse"),)))
+        read_drawing(path, answers=(("overlap", "refuse"),))
 
 
 def test_holes_that_overlap_are_one(tmp_path: Path) -> None:
     slot = '<circle cx="40" cy="40" r="10"/><rect x="40" y="35" width="30" height="10"/>'
-    found = areas(read_nest(svg(tmp_path, PLATE + slot), ReadOptions(frame="part", answers=(("overlap", "join"),))))
+    found = areas(read_drawing(svg(tmp_path, PLATE + slot), frame="part", answers=(("overlap", "join"),)))
     assert set(found) == {"P1.outer", "P1.hole1"}
 
 
@@ -64,15 +62,15 @@ def pairs(outer: float, inner: float, off: float = 0.0) -> Any:
 def test_a_hole_with_its_thread_or_countersink(tmp_path: Path, outer: float, inner: float) -> None:
     path = save_dxf(tmp_path, pairs(outer, inner))
     with pytest.raises(Questions) as raised:
-        read_nest(path, ReadOptions(frame="part", kerf_mm=0.2))
+        read_drawing(path, frame="part", kerf_mm=0.2)
     [question] = raised.value.questions
     assert (question.id, [c.value for c in question.choices]) == ("doubled", ["inner", "outer", "both"])
     assert "2 holes hold a disc each" in question.text
     for answer, radius in (("inner", inner), ("outer", outer)):
-        found = areas(read_nest(path, ReadOptions(frame="part", kerf_mm=0.2, answers=(("doubled", answer),))))
+        found = areas(read_drawing(path, frame="part", kerf_mm=0.2, answers=(("doubled", answer),)))
         assert found["P1.hole2"] == pytest.approx(math.pi * radius**2, rel=1e-3)
         assert "P2.outer" not in found
-    found = areas(read_nest(path, ReadOptions(frame="part", kerf_mm=0.2, answers=(("doubled", "both"),))))
+    found = areas(read_drawing(path, frame="part", kerf_mm=0.2, answers=(("doubled", "both"),)))
     assert "P3.outer" in found
 
 
@@ -82,7 +80,7 @@ def test_small_neighbours_are_no_line_drawn_twice(tmp_path: Path) -> None:
         lines(space, square(0.27, 0, 0.25))
         lines(space, square(10, 0, 50))
 
-    found = areas(read_nest(save_dxf(tmp_path, draw), ReadOptions(kerf_mm=0.2, answers=(("thin", "cut"),))))
+    found = areas(read_drawing(save_dxf(tmp_path, draw), kerf_mm=0.2, answers=(("thin", "cut"),)))
     assert len(found) == 3
 
 
@@ -91,13 +89,13 @@ def test_the_likeliest_unit_gives_a_sheet_that_can_be_one(tmp_path: Path, extent
     path = tmp_path / "drawing.svg"
     path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {extent} 40">{PLATE}</svg>')
     with pytest.raises(Questions) as raised:
-        read_nest(path, ReadOptions())
+        read_drawing(path)
     assert raised.value.questions[0].choices[0].value == first
 
 
 @pytest.mark.parametrize(("outer", "inner", "off"), [(30, 20, 0.0), (15, 5, 0.0), (15, 8, 2.0)])
 def test_a_disc_that_can_be_a_part_is_one(tmp_path: Path, outer: float, inner: float, off: float) -> None:
-    found = areas(read_nest(save_dxf(tmp_path, pairs(outer, inner, off)), ReadOptions(frame="part", kerf_mm=0.2)))
+    found = areas(read_drawing(save_dxf(tmp_path, pairs(outer, inner, off)), frame="part", kerf_mm=0.2))
     assert "P3.outer" in found
 
 
@@ -116,7 +114,7 @@ def test_a_disc_that_can_be_a_part_is_one(tmp_path: Path, outer: float, inner: f
     ],
 )
 def test_a_hole_that_shares_an_edge_is_a_notch(tmp_path: Path, holes: str, expected: dict[str, float]) -> None:
-    nest = read_nest(svg(tmp_path, PLATE + holes), ReadOptions(frame="part"))
+    nest = read_drawing(svg(tmp_path, PLATE + holes), frame="part")
     assert areas(nest) == pytest.approx(expected, rel=1e-6)
     said = [note.text for note in nest.notes if "cut as one outline" in note.text]
     assert len(said) == (0 if "P1.hole1" in expected and expected["P1.hole1"] == 200 else 1)

@@ -10,11 +10,8 @@ import pytest
 from ezdxf.math import OCS, Vec3
 from ezdxf.xclip import XClip
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.questions import Questions
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.tests.encoder.readers.drawings import areas, lines, save_dxf, square, texts
+from kerfwise import InputError, Nest, Questions
+from kerfwise.tests.encoder.readers.drawings import areas, lines, read_drawing, save_dxf, square, texts
 
 SEEN = 'fill="none" stroke="black"'
 PART = f'<rect x="10" y="10" width="40" height="40" {SEEN}/>'
@@ -31,7 +28,7 @@ def read(folder: Path, body: str, **options: Any) -> Nest:
     path = folder / "drawing.svg"
     head = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
     path.write_text(f'{head} width="200mm" height="100mm" viewBox="0 0 200 100">{body}</svg>', encoding="utf-8")
-    return read_nest(path, ReadOptions(frame="part", **options))
+    return read_drawing(path, frame="part", **options)
 
 
 @pytest.mark.parametrize(
@@ -260,7 +257,7 @@ def test_a_length_with_a_comma_is_refused_with_its_line(tmp_path: Path) -> None:
     path = tmp_path / "comma.svg"
     path.write_text('<?xml version="1.0"?>\n<!-- a -->\n<svg xmlns="http://www.w3.org/2000/svg"\n width="300,5mm"/>')
     with pytest.raises(InputError, match="width is '300,5mm', expected a length") as error:
-        read_nest(path)
+        read_drawing(path)
     assert error.value.line == 3
 
 
@@ -271,7 +268,7 @@ def dxf(folder: Path, draw: Any) -> Nest:
     draw(document, document.modelspace(), block)
     path = folder / "drawing.dxf"
     document.saveas(path)
-    return read_nest(path, ReadOptions(frame="part"))
+    return read_drawing(path, frame="part")
 
 
 def test_a_clipped_block_shows_what_is_in_its_clip(tmp_path: Path) -> None:
@@ -313,7 +310,7 @@ def test_tilted_planes_and_layers_without_print_are_said(tmp_path: Path) -> None
         space.doc.layers.add("Holes").dxf.plot = 0
         space.add_circle((20, 20), 5, dxfattribs={"layer": "Holes"})
 
-    notes = texts(read_nest(save_dxf(tmp_path, draw), ReadOptions(frame="part")).notes)
+    notes = texts(read_drawing(save_dxf(tmp_path, draw), frame="part").notes)
     assert "drawn on a tilted plane, and read as it is seen from above: 1 on '3D'" in notes
     assert "on layers that are never printed, and read like all others: 1 on 'Holes'" in notes
 
@@ -323,7 +320,7 @@ def test_numbers_that_are_none(tmp_path: Path, wrong: str) -> None:
     path = tmp_path / "numbers.dxf"
     path.write_text(f"0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\nK\n10\n{wrong}\n20\n1.0\n40\n2.0\n0\nENDSEC\n0\nEOF\n")
     with pytest.raises(InputError) as error:
-        read_nest(path)
+        read_drawing(path)
     assert (error.value.line, "on layer 'K'" in error.value.message) == (10, True)
 
 
@@ -340,10 +337,10 @@ def test_a_line_drawn_beside_itself(tmp_path: Path, gap: float) -> None:
         assert list(areas(dxf(tmp_path, draw))) == ["P1.outer"]
         return
     with pytest.raises(Questions):
-        dxf(tmp_path, draw) if gap < 0.2 else read_nest(_saved(tmp_path, draw), ReadOptions(**kerf))
-    outer = read_nest(dxf_file, ReadOptions(answers=(("doubled", "outer"),), **kerf))
+        dxf(tmp_path, draw) if gap < 0.2 else read_drawing(_saved(tmp_path, draw), **kerf)
+    outer = read_drawing(dxf_file, answers=(("doubled", "outer"),), **kerf)
     assert areas(outer) == {"P1.outer": 5400.0}
-    assert len(areas(read_nest(dxf_file, ReadOptions(answers=(("doubled", "inner"),), **kerf)))) == 1
+    assert len(areas(read_drawing(dxf_file, answers=(("doubled", "inner"),), **kerf))) == 1
 
 
 def _saved(folder: Path, draw: Any) -> Path:
@@ -361,10 +358,10 @@ def test_metal_that_is_all_kerf_is_no_part(tmp_path: Path) -> None:
 
     path = _saved(tmp_path, draw)
     with pytest.raises(Questions) as error:
-        read_nest(path, ReadOptions(kerf_mm=1.5))
+        read_drawing(path, kerf_mm=1.5)
     [question] = error.value.questions
     assert (question.id, [choice.value for choice in question.choices]) == ("thin", ["ignore", "mark", "cut"])
-    kept = read_nest(path, ReadOptions(kerf_mm=1.5, answers=(("thin", "ignore"),)))
+    kept = read_drawing(path, kerf_mm=1.5, answers=(("thin", "ignore"),))
     assert [part.id for part in kept.parts] == ["P1"]
 
 
@@ -376,10 +373,10 @@ def test_line_types_are_asked_about(tmp_path: Path) -> None:
 
     path = _saved(tmp_path, draw)
     with pytest.raises(Questions) as error:
-        read_nest(path, ReadOptions())
+        read_drawing(path)
     [question] = error.value.questions
     assert (question.id, question.choices[0].value) == ("linetype:CENTER", "ignore")
-    assert list(areas(read_nest(path, ReadOptions(linetypes=(("center", "cut"),))))) == ["P1.hole1", "P1.outer"]
+    assert list(areas(read_drawing(path, layers={"linetype": {"center": "cut"}}))) == ["P1.hole1", "P1.outer"]
 
 
 def test_names_in_utf8_of_an_old_file(tmp_path: Path) -> None:
@@ -392,7 +389,7 @@ def test_names_in_utf8_of_an_old_file(tmp_path: Path) -> None:
     document.dxfversion = "R2000"
     document.saveas(path)
     path.write_bytes(path.read_bytes().replace(b"Gravxxr", "Gravír".encode()))
-    nest = read_nest(path, ReadOptions())
+    nest = read_drawing(path)
     assert [c.id for c in nest.contours] == ["P1.mark1", "P1.outer"]
     assert nest.reading is not None
     assert {row.layer for row in nest.reading.taken} == {"0", "Gravír"}
@@ -406,7 +403,7 @@ def test_a_colour_with_open_lines_is_engraved_most_likely(tmp_path: Path) -> Non
 
     path = _saved(tmp_path, draw)
     with pytest.raises(Questions) as error:
-        read_nest(path, ReadOptions())
+        read_drawing(path)
     assert [(q.id, q.choices[0].value) for q in error.value.questions] == [("colour:red", "mark")]
-    nest = read_nest(path, ReadOptions(answers=(("colour:red", "mark"),)))
+    nest = read_drawing(path, answers=(("colour:red", "mark"),))
     assert [c.id for c in nest.contours] == ["P1.mark1", "P1.mark2", "P1.outer"]

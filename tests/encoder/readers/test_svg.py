@@ -3,12 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.questions import Questions
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.encoder.readers.layers import Layers
-from kerfwise.tests.encoder.readers.drawings import areas, texts
+from kerfwise import InputError, Nest, Questions
+from kerfwise.tests.encoder.readers.drawings import areas, read_drawing, texts
 
 NAMESPACES = 'xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
 PAGE = 'width="200mm" height="100mm" viewBox="0 0 400 200"'
@@ -18,7 +14,7 @@ SHEET = '<g inkscape:label="Sheet"><rect width="400" height="200"/></g>'
 def read(folder: Path, body: str, page: str = PAGE, **options: object) -> Nest:
     path = folder / "drawing.svg"
     path.write_text(f"<svg {NAMESPACES} {page}>{body}</svg>", encoding="utf-8")
-    return read_nest(path, ReadOptions(**options))  # type: ignore[arg-type]
+    return read_drawing(path, **options)  # type: ignore[arg-type]
 
 
 def test_sheet_marks_and_cuts_by_group(tmp_path: Path) -> None:
@@ -165,7 +161,7 @@ def test_what_is_no_drawing(tmp_path: Path, text: str, said: str) -> None:
     path = tmp_path / "broken.svg"
     path.write_text(text)
     with pytest.raises(InputError, match=said):
-        read_nest(path)
+        read_drawing(path)
 
 
 def test_a_page_of_another_shape_than_its_view_box(tmp_path: Path) -> None:
@@ -185,9 +181,9 @@ def test_the_innermost_label_says_what_a_shape_is_for(tmp_path: Path) -> None:
     <g inkscape:label="Bemaßung"><line x1="0" y1="0" x2="9" y2="9"/></g>
     <g inkscape:label="Scrap"><line x1="300" y1="0" x2="300" y2="200"/></g>
     <line inkscape:label="Gravur" id="cut2" x1="210" y1="30" x2="230" y2="30"/></g>"""
-    nest = read(tmp_path, body, layers=Layers(cut="^(cut|job)$"), scrap_lines="cut")
+    nest = read(tmp_path, body, layers={"cut": "^(cut|job)$"}, scrap_lines="cut")
     assert [c.curve.as_rows() for c in nest.scrap] == [[[150, 100], [150, 0]]]
-    nest = read(tmp_path, body, layers=Layers(cut="^(cut|job)$"))
+    nest = read(tmp_path, body, layers={"cut": "^(cut|job)$"})
     assert [c.id for c in nest.contours] == ["P1.outer", "P2.mark1", "P2.outer"]
     assert texts(nest.notes) == [
         "left out, as drawing.layers.ignore matches their layers: 1 on 'job/Bemaßung'",

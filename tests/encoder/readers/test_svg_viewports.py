@@ -9,10 +9,8 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.questions import Questions
-from kerfwise.encoder.readers import ReadOptions, read_nest
+from kerfwise import InputError, Nest, Questions
+from kerfwise.tests.encoder.readers.drawings import read_drawing
 
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" width="300mm" height="100mm" viewBox="0 0 300 100">'
 PART = '<rect x="10" y="10" width="40" height="20"/>'
@@ -21,7 +19,7 @@ PART = '<rect x="10" y="10" width="40" height="20"/>'
 def read(folder: Path, body: str, **options: Any) -> Nest:
     path = folder / "drawing.svg"
     path.write_text(f'{HEAD}<g fill="none" stroke="black">{body}</g></svg>', encoding="utf-8")
-    return read_nest(path, ReadOptions(**options))
+    return read_drawing(path, **options)
 
 
 def metal(nest: Nest) -> float:
@@ -135,10 +133,10 @@ def test_a_ring_that_its_filling_hides_is_asked_about(tmp_path: Path) -> None:
 def test_packed_files(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
     path.write_bytes(gzip.compress(f"{HEAD}{PART}</svg>".encode()))
-    assert metal(read_nest(path, ReadOptions())) == 800
+    assert metal(read_drawing(path)) == 800
     path.write_bytes(path.read_bytes()[:-20])
     with pytest.raises(InputError, match="the file is packed, and damaged"):
-        read_nest(path, ReadOptions())
+        read_drawing(path)
 
 
 TILT = math.tan(math.radians(20))
@@ -181,4 +179,4 @@ def test_a_page_as_wide_as_the_window(tmp_path: Path) -> None:
     path = tmp_path / "drawing.svg"
     path.write_text(HEAD.replace("300mm", "auto").replace("100mm", "auto") + PART + "</svg>", encoding="utf-8")
     with pytest.raises(Questions, match="names no unit"):
-        read_nest(path, ReadOptions())
+        read_drawing(path)

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.encoder.readers.layers import Layers
-from kerfwise.encoder.readers.lettering import NEWSTROKE, lettering
+from kerfwise import InputError, Nest
 from kerfwise.tests.encoder.readers.drawings import (
     box,
     lines,
     near,
+    read_drawing,
     read_dxf,
     reading,
     save_dxf,
@@ -152,27 +147,6 @@ def test_signs_are_those_that_the_text_means(tmp_path: Path) -> None:
     assert [w.text for w in reading(nest).writings] == ["Ø12 ±0.1 45° A Hő"]
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "árvíztűrő tükörfúrógép ÁRVÍZTŰRŐ",
-        "Größe Übermaß Ä",
-        "Съешь ещё этих мягких французских булок",
-        "№ 5 Ωμ½ žščřť łąę",
-    ],
-)
-def test_the_font_has_the_letters_of_shops(text: str) -> None:
-    assert lettering(text).lacks == ""
-    bare = lettering(text.replace("ű", "u").replace("Ü", "U").replace("ё", "е").replace("ž", "z"))
-    assert len(bare.strokes) < len(lettering(text).strokes)  # an accent is strokes of its own
-
-
-def test_the_font_says_whose_it_is() -> None:
-    head = NEWSTROKE.read_text("ascii").splitlines()[0]
-    assert "Vladimir Uryvaev" in head
-    assert "CC0" in head
-
-
 def test_letters_that_are_not_in_the_font_are_told(tmp_path: Path) -> None:
     [said] = texts(written(tmp_path, "No 漢字", height=5, insert=(50, 50)).notes)
     assert said == (
@@ -237,13 +211,13 @@ def test_writing_on_other_layers_is_said_with_what_engraves_it(tmp_path: Path) -
         space.add_point((60, 60))
 
     path = save_dxf(tmp_path, draw)
-    assert texts(read_nest(path).notes) == [
+    assert texts(read_drawing(path).notes) == [
         "left out, as layer '0' is not for marks: 1 text ('1932'); --answer text:0=mark engraves it",
         "left out, as layer '0' is not for marks: 1 point; --answer point:0=mark marks it",
     ]
-    told = read_nest(path, ReadOptions(answers=(("text:0", "mark"), ("point:0", "mark"))))
+    told = read_drawing(path, answers=(("text:0", "mark"), ("point:0", "mark")))
     assert told.notes == ()
-    assert len(told.parts[0].marks) == len(lettering("1932").strokes) + 1
+    assert len(told.parts[0].marks) == 5 + 1  # strokes of the number, and the point
     assert reading(told).answers == {"text:0": "mark", "point:0": "mark"}
 
 
@@ -254,11 +228,11 @@ def test_writing_on_many_layers_is_said_and_answered_at_once(tmp_path: Path) -> 
             space.add_text(f"H{k}", dxfattribs={"layer": f"part {k}", "insert": (50, 50 + 20 * k), "height": 5})
 
     path = save_dxf(tmp_path, draw)
-    assert texts(read_nest(path).notes) == [
+    assert texts(read_drawing(path).notes) == [
         "left out, as the 5 layers 'part 0', 'part 1', 'part 2', … are not for marks: 5 texts ('H0', 'H1', 'H2', …); "
         "--answer text=mark engraves them"
     ]
-    all_but_one = read_nest(path, ReadOptions(answers=(("text", "mark"), ("text:part 3", "ignore"))))
+    all_but_one = read_drawing(path, answers=(("text", "mark"), ("text:part 3", "ignore")))
     assert [writing.text for writing in reading(all_but_one).writings] == ["H0", "H1", "H2", "H4"]
 
 
@@ -268,9 +242,9 @@ def test_writing_on_a_layer_for_marks_can_be_left_out(tmp_path: Path) -> None:
         space.add_text("H", dxfattribs=MARK | {"insert": (50, 50)})
 
     path = save_dxf(tmp_path, draw)
-    assert read_nest(path, ReadOptions(answers=(("text:Gravur", "ignore"),))).parts[0].marks == ()
+    assert read_drawing(path, answers=(("text:Gravur", "ignore"),)).parts[0].marks == ()
     with pytest.raises(InputError, match="text:Gravur=no is none of the choices: expected mark, ignore"):
-        read_nest(path, ReadOptions(answers=(("text:Gravur", "no"),)))
+        read_drawing(path, answers=(("text:Gravur", "no"),))
 
 
 def test_a_profile_says_it_by_layer_or_by_colour(tmp_path: Path) -> None:
@@ -280,8 +254,8 @@ def test_a_profile_says_it_by_layer_or_by_colour(tmp_path: Path) -> None:
         space.add_text("H", dxfattribs={"layer": "7", "insert": (90, 50)})
 
     path = save_dxf(tmp_path, draw)
-    assert len(read_nest(path, ReadOptions(colours=(("blue", "mark"),))).parts[0].marks) == 3
-    assert len(read_nest(path, ReadOptions(layers=Layers(mark="^7$"))).parts[0].marks) == 3
+    assert len(read_drawing(path, layers={"colour": {"blue": "mark"}}).parts[0].marks) == 3
+    assert len(read_drawing(path, layers={"mark": "^7$"}).parts[0].marks) == 3
 
 
 def test_a_point_is_a_cross_of_the_size_of_spots(tmp_path: Path) -> None:
@@ -353,13 +327,6 @@ def test_a_clipped_block_hides_its_writing(tmp_path: Path) -> None:
     assert said.startswith(
         "left out, as a clipping path hides them, or some of them: 1 on 'Gravur', the first the text 'out'"
     )
-
-
-def test_a_stroke_closes_where_it_ends_where_it_begins() -> None:
-    [ring] = lettering("O").strokes
-    assert (ring[0] == ring[-1]).all()
-    assert np.ptp(ring[:, 1]) == pytest.approx(1.0)
-    assert math.isclose(lettering("HH").width, 2 * H_NEXT)
 
 
 def test_the_reading_lists_what_is_written(tmp_path: Path) -> None:

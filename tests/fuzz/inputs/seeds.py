@@ -15,7 +15,6 @@ import ezdxf
 import yaml
 
 import kerfwise as package
-from kerfwise.rules.pages import new_outside_rule
 
 ROOT = Path(package.__file__).parent
 PLASMA = "linuxcnc-qtplasmac"
@@ -328,7 +327,12 @@ def rule_file(name: str) -> bytes:
             .replace(b"level_ahead_holds", b"rule_holds")
         )
     with tempfile.TemporaryDirectory() as folder:
-        return new_outside_rule("rule", {"plant.mzn": "mzn", "plant.py": "python"}[name], Path(folder)).read_bytes()
+        from kerfwise.tests.commands.run_cli import kerfwise
+
+        how = {"plant.mzn": "--mzn", "plant.py": "--python"}[name]
+        assert kerfwise("rules", "new", "rule", how, "-o", folder).code == 0
+        (written,) = Path(folder).iterdir()
+        return written.read_bytes()
 
 
 BEST_KNOWN = b"set,instance,best_upper\nrouting,nine,123\n,twelve,456.5\n"

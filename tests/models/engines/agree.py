@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import factorial, prod
 
-from kerfwise.encoder.errors import RulesConflict
+from kerfwise import RulesConflict
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.cpsat import solve_cpsat
 from kerfwise.models.engines.deadline import Deadline

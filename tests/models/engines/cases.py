@@ -6,18 +6,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from kerfwise import InputError, Lock, Nest, Profile
 from kerfwise.apps.authoring.trials.trial import random_nest
-from kerfwise.encoder.candidates import LeadOptions, build_candidates
-from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.facts import compute_facts
-from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.facts.links import with_links
-from kerfwise.encoder.nest import KINDS, Nest
+from kerfwise.encoder.nest import KINDS
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.motion import Feeds
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.postproc.clock import contour_heat_kj
-from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise.rule_kit import Facts, LeadOptions, RuleSetting, circle, nest, part, rect
 from kerfwise.rules.catalogue.cut_direction import CutDirectionOptions
 from kerfwise.rules.catalogue.heat_lag import HeatLagOptions
 from kerfwise.rules.catalogue.hold_small_parts import HoldSmallPartsOptions
@@ -27,10 +26,8 @@ from kerfwise.rules.catalogue.part_contiguous import PartContiguousOptions
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions
 from kerfwise.rules.catalogue.pierce import PierceOptions
 from kerfwise.rules.catalogue.zone_order import ZoneOrderOptions
-from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.sections import Common, Cuts, Links, RuleSetting
+from kerfwise.rules.profile.sections import Common, Cuts, Links
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.drawn_options import with_drawn_options
 from kerfwise.tests.metal.common_nests import block

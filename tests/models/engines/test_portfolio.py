@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from kerfwise.models.engines import Member, bounds, cpsat, ideals, portfolio, tuning
+from kerfwise.commands.shared_options import EngineChoice
+from kerfwise.models.engines import BUILT_IN, ENGINES, OLD_NAMES, Member, bounds, cpsat, ideals, portfolio, tuning
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.shared_state import SharedState
@@ -305,3 +306,9 @@ def test_a_plan_without_wishes_that_keeps_them_is_the_best() -> None:
     assert known.incumbent is not None
     assert known.proven
     assert known.incumbent.cost == 220_000
+
+
+def test_the_old_name_is_read_as_the_new_one() -> None:
+    assert EngineChoice().convert("cp-sat", None, None) == "portfolio"
+    assert EngineChoice(BUILT_IN).convert("cp-sat-alone", None, None) == "cp-sat-alone"
+    assert not OLD_NAMES.keys() & ENGINES.keys()

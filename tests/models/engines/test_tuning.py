@@ -10,8 +10,6 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.benchmarks.tuning import numbers
-from kerfwise.models.engines import tuning
 
 ENGINES = Path(kerfwise.__file__).parent / "models" / "engines"
 TABLE = ENGINES / "tuning.py"
@@ -109,9 +107,3 @@ def test_each_number_is_read() -> None:
         if file != TABLE
     )
     assert [name for name in constants(TABLE.read_text(encoding="utf-8")) if not re.search(rf"\b{name}\b", text)] == []
-
-
-def test_the_benchmark_knows_each_number() -> None:
-    known = {name for name, _ in numbers()}
-    assert known == set(constants(TABLE.read_text(encoding="utf-8")))
-    assert all(hasattr(tuning, name) for name in known)

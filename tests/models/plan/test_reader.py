@@ -13,8 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.models.plan.read_plan import read_plan, validator
+from kerfwise import InputError, read_plan
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools.amount import examples
 
@@ -35,8 +34,6 @@ def damaged(folder: Path, change: Callable[[dict[str, Any]], object]) -> str:
 def test_there_and_back(tmp_path: Path) -> None:
     (tmp_path / "plan.json").write_text("\ufeff" + TEXT)
     assert read_plan(tmp_path / "plan.json").to_json() == TEXT
-    assert list(validator().iter_errors(json.loads(TEXT))) == []
-    validator().check_schema(validator().schema)
 
 
 @pytest.mark.parametrize(

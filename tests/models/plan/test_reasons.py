@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable
 from dataclasses import replace
@@ -17,7 +18,7 @@ from kerfwise.models.plan.explain.other_places import MATTERS_UM, OtherPlace, Ot
 from kerfwise.models.plan.explain.reasons import with_reasons
 from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import Plan
-from kerfwise.models.plan.read_plan import plan_in
+from kerfwise.models.plan.read_plan import plan_in, validator
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.case import nest, part, rect
@@ -26,6 +27,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Lag, Precede, Statement
 from kerfwise.rules.stating.state_rules import Stated
+from kerfwise.tests.models.plan.test_reader import TEXT
 from kerfwise.tests.models.solved import plant, proven_plan
 from kerfwise.tests.reasons.judge import Judge, Verdict, kind
 
@@ -224,3 +226,8 @@ def test_the_entry_is_the_shortest_where_it_is_said() -> None:
         said += told
         assert told == (here <= min(ways) + 1e-6)
     assert said
+
+
+def test_plans_keep_to_their_schema() -> None:
+    validator().check_schema(validator().schema)
+    assert list(validator().iter_errors(json.loads(TEXT))) == []

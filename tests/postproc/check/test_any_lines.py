@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.postproc.check import check_program
+from kerfwise.tests.checked import checked
 from kerfwise.tests.metal.simulate import by_kind, simulate
 from kerfwise.tests.postproc.by_lines import Line, across, grid, program_of, upright
 from kerfwise.tests.postproc.check.test_common_cuts import PROFILE
@@ -42,7 +42,7 @@ def test_what_passes_burns_well(order: list[Line], how: list[str], share: list[f
     if not burns:
         return
     program = program_of(burns, PROFILE)
-    result = check_program(GRID, program, PROFILE)
+    result = checked(GRID, program, PROFILE)
     found = by_kind(simulate(GRID, program, KERF_MM, touching=True))
     if result.ok:
         assert not BAD & found.keys(), (burns, found)

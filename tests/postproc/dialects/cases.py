@@ -9,17 +9,15 @@ from functools import cache
 from pathlib import Path
 
 import kerfwise
-from kerfwise.encoder.nest import Nest
+from kerfwise import Nest, Plan, Profile
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.models.plan.plan import Plan
 from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.dialects import dialect_names, load_dialect
-from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise.rule_kit import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import Common, Links
 from kerfwise.tests.postproc.plans import with_tabs
 

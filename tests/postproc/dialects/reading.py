@@ -9,14 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan.plan import Plan
+from kerfwise import Nest, Plan, Profile
 from kerfwise.postproc.clock import read_program
 from kerfwise.postproc.dialects import Dialect, load_dialect
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpaths import toolpaths
-from kerfwise.rules.profile.profile import Profile
+from kerfwise.rule_kit import Curve
 from kerfwise.tests.tools import canon
 from kerfwise.tests.tools.outside import gcode_toolpath, meerk40t
 from kerfwise.tests.tools.outside.heard import Heard

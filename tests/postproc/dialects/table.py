@@ -10,11 +10,9 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan.plan import Plan
+from kerfwise import Nest, Plan, Profile
 from kerfwise.postproc.dialects import load_dialect
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.tools.outside.heard import Heard
 
 from . import cases, reading

@@ -1,12 +1,18 @@
 """Dialects are data: every shipped file loads, and a damaged one is answered with its line."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
+from kerfwise import InputError
 from kerfwise.postproc import dialects
-from kerfwise.postproc.dialects import LineNumbers, dialect_names, load_dialect
+from kerfwise.postproc.check.reader.controls import CONTROLS
+from kerfwise.postproc.dialects import ControlName, LineNumbers, dialect_names, load_dialect
+from kerfwise.rules.options.option import options_of
+from kerfwise.rules.profile.plant_sections import DialectName, Machine
 
 FOLDER = Path(dialects.__file__).parent
 
@@ -106,3 +112,17 @@ def test_no_file_and_no_dialect(tmp_path: Path) -> None:
     (tmp_path / "list.yaml").write_text("- a\n")
     with pytest.raises(InputError, match="not a dialect"):
         load_dialect(str(tmp_path / "list.yaml"))
+
+
+def test_dialects_may_name_each_control_that_the_check_reads() -> None:
+    missing, unread = set(CONTROLS) - set(get_args(ControlName)), set(get_args(ControlName)) - set(CONTROLS)
+    assert not missing, f"postproc/dialects/dialect.py, ControlName: {missing}"
+    assert not unread, f"postproc/check/reader/controls.py, CONTROLS: {unread}"
+
+
+def test_profiles_may_name_each_dialect() -> None:
+    (kind,) = (option.kind for option in options_of(Machine) if option.name == "dialect")
+    assert isinstance(kind, DialectName)
+    missing, gone = set(dialect_names()) - set(kind.words), set(kind.words) - set(dialect_names())
+    assert not missing, f"rules/profile/plant_sections.py, Machine.dialect: {missing}"
+    assert not gone, f"rules/profile/plant_sections.py names what postproc/dialects has not: {gone}"

@@ -9,8 +9,6 @@ from pathlib import Path
 import pytest
 import yaml
 
-from kerfwise.postproc.dialects import dialect_names, load_dialect
-from kerfwise.postproc.dialects.load import dialect_text
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = {
@@ -21,7 +19,11 @@ NEST = {
     ],
 }  # fmt: skip
 pytestmark = pytest.mark.scrap("the simulation of the metal reads words of LinuxCNC only")
-WITHOUT = [name for name in dialect_names() if not load_dialect(name).marks]
+WITHOUT = [
+    line.split()[0]
+    for line in kerfwise("dialects").out.splitlines()
+    if line[:1].isalpha() and line.endswith("; marks no")
+]
 PLASMA = "based_on: plasma-carbon-steel\nmachine: {dialect: NAME}\n"
 LASER = "based_on: laser-st10kp-2mm\nmachine: {dialect: NAME, accept_dialect: true}\n"
 
@@ -61,9 +63,10 @@ def test_who_has_no_words_says_why_and_a_copy_that_states_them_marks(name: str) 
     )
     refused = kerfwise("solve", "nest.json", "-p", "plant.yaml", "-o", "a.nc")
     assert refused.code == 2
-    assert str(load_dialect(name).no_marking).split(":")[0] in refused.err
+    why = str(yaml.safe_load(kerfwise("dialects", "show", name).out)["no_marking"])
+    assert why.split(":")[0] in refused.err
     on, off, means = re.search(r"mark_on: (.*), mark_off: (.*), reads: (\{.*\}\})\)", refused.err).groups()  # type: ignore[union-attr]
-    copy = yaml.safe_load(dialect_text(name)) | {"name": "mine", "mark_on": on, "mark_off": off}
+    copy = yaml.safe_load(kerfwise("dialects", "show", name).out) | {"name": "mine", "mark_on": on, "mark_off": off}
     copy.pop("builders_choice", None)
     reads = copy.setdefault("reads", {})
     reads["means"] = {**reads.get("means", {}), **yaml.safe_load(means)["means"]}

@@ -10,11 +10,9 @@ import pyogrio.raw
 import pytest
 import shapely
 
-from kerfwise.encoder.nest import Nest
-from kerfwise.models.plan.plan import Plan
+from kerfwise import Nest, Plan, Profile
 from kerfwise.postproc.nc.ordered_drawings import LAYERS, write_dxf
 from kerfwise.postproc.nc.toolpaths import toolpaths
-from kerfwise.rules.profile.profile import Profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.postproc.dialects.reading import apart_mm
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile

@@ -1,21 +1,21 @@
 """The text of programs: two small ones to the letter, and what every one keeps to."""
 
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
 
+from kerfwise import InputError, Nest, Plan
 from kerfwise.encoder.candidates import build_candidates
-from kerfwise.encoder.cut import Cut
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.cut import Pierce, Span, Tab
 from kerfwise.models.plan.read_plan import read_plan
+from kerfwise.postproc.clock import with_times
 from kerfwise.postproc.dialects import load_dialect
+from kerfwise.postproc.nc import program
 from kerfwise.postproc.nc.gcode import GcodeWriter, comment
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.rules.case import circle, nest, part, rect
+from kerfwise.rule_kit import Curve, Cut, circle, nest, part, rect
 from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools.qtplasmac import complaints
 
@@ -137,3 +137,65 @@ def test_an_arc_of_a_thousandth_is_a_line() -> None:
 def test_what_is_too_flat_or_too_short_for_an_arc_is_a_line_or_nothing() -> None:
     path = Curve.of([(0, 0, 1e-6), (10, 0, 0.5), (10.0008, 0), (10.00082, 0), (10.00082, 5)], closed=False)
     assert GcodeWriter(DIALECT, (0, 0)).path(path, 10.0) == ["G1 X10 Y0 F600", "G1 X10.0008 Y0", "G1 X10.0008 Y5"]
+
+
+OF_BODY = profile()
+OTHERS: dict[str, object] = {
+    "contour": "B.outer",
+    "direction": "ccw",
+    "pierce": (1.0, 2.0),
+    "lead_in": None,
+    "lead_out": None,
+    "zone": 9,
+    "linked": True,
+    "span": Span((0.0, 0.0), (1.0, 1.0)),
+    "tabs": (Tab((1.0, 1.0), 0.5),),
+    "torch": 2,
+    "together": "A.outer",
+    "way": "snake1",
+}
+NOT_IN_BLOCKS = {"start_s": 12.0, "end_s": 13.0, "excused": ("part-rigidity",), "entry": (1.0, 1.0)}
+
+
+def test_every_field_of_a_cut_is_tried() -> None:
+    assert {field.name for field in fields(Cut)} == OTHERS.keys() | NOT_IN_BLOCKS.keys()
+
+
+@pytest.mark.parametrize("name", [*OTHERS, *NOT_IN_BLOCKS])
+def test_what_blocks_hang_on(name: str) -> None:
+    cut = next(cut for cut in good_cuts(plate()) if cut.lead_in is not None and cut.lead_out is not None)
+    cut = replace(cut, direction="cw")
+    other = replace(cut, **{name: {**OTHERS, **NOT_IN_BLOCKS}[name]})  # type: ignore[arg-type]
+    assert (program._geometry(cut) == program._geometry(other)) == (name in NOT_IN_BLOCKS)
+
+
+def made() -> Plan:
+    sheet = plate()
+    return plan_of(sheet, good_cuts(sheet), OF_BODY)
+
+
+def test_a_program_is_spelt_once_with_its_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    sheet, spelt = plate(), []
+    plain = program._body
+    monkeypatch.setattr(program, "_body", lambda *given: spelt.append(1) or plain(*given))  # type: ignore[func-returns-value]
+    plan = with_times(made(), sheet, OF_BODY)
+    assert write_program(plan, sheet, OF_BODY) == write_program(plan, plate(), OF_BODY)
+    assert len(spelt) == 2
+
+
+def test_other_plans_profiles_and_dialects_have_blocks_of_their_own() -> None:
+    sheet, plan = plate(), made()
+    first, *rest = plan.cuts
+    faster = replace(OF_BODY, machine=replace(OF_BODY.machine, cut_feed_mm_s=2 * OF_BODY.machine.cut_feed_mm_s))
+    essi = replace(OF_BODY, machine=replace(OF_BODY.machine, dialect="essi"))
+    asked = [
+        (plan, OF_BODY),
+        (replace(plan, cuts=(*rest, first)), OF_BODY),
+        (replace(plan, cuts=(replace(first, dwell_s=3.0), *rest)), OF_BODY),
+        (replace(plan, pierces=(Pierce(first.cut.contour, first.cut.pierce, 1),)), OF_BODY),
+        (plan, faster),
+        (plan, essi),
+    ]
+    of_own = [write_program(one, plate(), by) for one, by in asked]
+    assert len(set(of_own)) == len(asked)
+    assert [write_program(one, sheet, by) for one, by in asked] == of_own

@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
+from kerfwise import InputError
 from kerfwise.apps.resequence.resequence import resequence
-from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.programs import ProgramRequest
 from kerfwise.postproc.check.reader.read_program import read_old
 from kerfwise.postproc.old.program_pieces import expect_same, reordered, split_program

@@ -6,13 +6,10 @@ import math
 
 import shapely
 
-from kerfwise.encoder.cut import Cut, Direction
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import Contour, Nest, Part
-from kerfwise.models.plan.plan import Plan, PlannedCut, SolveReport, Totals
-from kerfwise.rules.case import circle, part, rect
-from kerfwise.rules.case import nest as nest_of
+from kerfwise import Nest, Plan
+from kerfwise.models.plan.plan import PlannedCut, SolveReport, Totals
+from kerfwise.rule_kit import Contour, Curve, Cut, Direction, Part, Point, circle, part, rect
+from kerfwise.rule_kit import nest as nest_of
 
 LEAD_MM = 5.0
 

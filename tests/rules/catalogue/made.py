@@ -7,11 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from kerfwise.encoder.candidates.candidate import Candidate
-from kerfwise.encoder.cut import Direction
-from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
-from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.nest import Nest
+from kerfwise import Nest
+from kerfwise.encoder.facts import compute_facts
+from kerfwise.rule_kit import Candidate, Direction, FactOptions, Facts, Point
 
 Way = tuple[Point, Direction, Point]
 

@@ -9,13 +9,8 @@ from pathlib import Path
 import pytest
 
 import kerfwise
-from kerfwise.encoder.readers import read_nest
-from kerfwise.jobs.request import facts_of, make_request
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.pipeline import VerifiedPlan, solve_and_verify
-from kerfwise.rules.flat.model_file import read_model_file
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
+from kerfwise import Profile, load_profile, read_nest
+from kerfwise.tests.commands.run_cli import kerfwise as command_line
 from kerfwise.tests.tools.amount import few
 
 pytestmark = pytest.mark.minizinc
@@ -39,10 +34,6 @@ def plant(folder: Path, name: str, strength: str) -> Profile:
     return load_profile(path)
 
 
-def made(profile: Profile, work: float) -> VerifiedPlan:
-    return solve_and_verify(make_request(facts_of(NEST, profile), profile), profile, SolveOptions(work=work))
-
-
 def test_there_are_ten() -> None:
     assert len(EXAMPLES) == 10
     assert sum(strength == "soft" for strength, _ in EXAMPLES.values()) == 1
@@ -59,10 +50,10 @@ def test_rule_changes_the_plan(name: str, tmp_path: Path) -> None:
     off = replace(
         profile, rules={**profile.rules, rule_id: replace(profile.rules[rule_id], strength="off", weight=None)}
     )
-    without = made(off, 1.0)
+    without = kerfwise.solve(NEST, off, work=1.0)
     before = rule.violations(NEST, without.plan.sequence(), options)
     assert before, "the rule asks nothing new"
-    kept = made(profile, 8.0)
+    kept = kerfwise.solve(NEST, profile, work=8.0)
     assert kept.verdict.ok, kept.verdict.broken()
     judged = kept.verdict.rule(rule_id)
     assert len(judged.violations) < len(before)
@@ -71,9 +62,9 @@ def test_rule_changes_the_plan(name: str, tmp_path: Path) -> None:
 
 def test_the_file_of_the_page_reads(tmp_path: Path) -> None:
     (text,) = re.findall(r"## A file\n\n```\n(.*?)```", PAGE, re.DOTALL)
-    path = tmp_path / "rivets_first.mzn"
-    path.write_text(text, encoding="utf-8")
-    file = read_model_file(path)
-    assert file.sentence == "Rivet holes are cut before all other holes of their part"
-    assert (file.source, file.says, file.line) == ("As agreed with assembly.", True, 6)
-    assert [(p.key, p.default) for p in file.parameters] == [("most", "800")]
+    (tmp_path / "rivets_first.mzn").write_text(text, encoding="utf-8")
+    profile = plant(tmp_path, "rivets_first", "hard")
+    rule = profile.rulebook()["rivets-first"]
+    assert rule.sentence == "Rivet holes are cut before all other holes of their part"
+    assert "As agreed with assembly." in command_line("rules", "rivets-first", "-p", tmp_path / "plant.yaml").out
+    assert profile.settings()["rivets-first"].options.most == 800

@@ -8,14 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.jobs.request import facts_of, make_request
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.plan.read_plan import read_plan
-from kerfwise.pipeline import VerifiedPlan, solve_and_verify
-from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.pages import rule_page, rule_table
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
+import kerfwise as package
+from kerfwise import Profile, load_profile, read_plan
+from kerfwise.rule_kit import nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.rules.outside.written import RULE
 
@@ -43,13 +38,9 @@ def loaded(folder: Path) -> Profile:
     return load_profile(written(folder), trust=True)
 
 
-def made(profile: Profile) -> VerifiedPlan:
-    return solve_and_verify(make_request(facts_of(ROW, profile), profile), profile, SolveOptions(work=1.0))
-
-
 @pytest.mark.minizinc
 def test_program_and_plan_name_the_files(tmp_path: Path) -> None:
-    done = made(loaded(tmp_path))
+    done = package.solve(ROW, loaded(tmp_path), work=1.0)
     header = [line for line in done.program.splitlines() if "RULE FILE" in line]
     digest = hashlib.sha256(LAST.encode()).hexdigest()
     assert any("RULE FILE IN PLACE OF level-ahead" in line for line in header)
@@ -102,15 +93,16 @@ def test_the_list_of_rules_names_the_files(tmp_path: Path) -> None:
     assert lines["bars-last"].endswith(f"(file {tmp_path / 'bars_last.py'})")
     assert lines["own:own"].endswith(f"as agreed (file {tmp_path / 'own.mzn'})")
     assert "(file" not in lines["part-contiguous"]
-    assert all("(" not in row.from_where for row in rule_table(load_profile()))
+    assert "(file" not in kerfwise("rules").out
 
 
 def test_a_files_page_shows_its_text(tmp_path: Path) -> None:
     text = LAST + "\n% cases:\n% - nest: {}\n"
     written(tmp_path)
     (tmp_path / "rules" / "small_last.mzn").write_text(text)
-    known = load_profile(tmp_path / "plant.yaml", trust=True).known_rules()
-    page = rule_page("small-last", known)
+    page, ahead = (
+        kerfwise("rules", name, "-p", tmp_path / "plant.yaml", "--trust").out for name in ("small-last", "level-ahead")
+    )
     assert page.startswith("# small-last\n\nSmall parts last\n\nIt stands in `")
     assert f"```\n{LAST.strip()}\n```\n" in page
-    assert "in the place of the shipped rule `level-ahead`" in rule_page("level-ahead", known)
+    assert "in the place of the shipped rule `level-ahead`" in ahead

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from kerfwise.encoder.nest import Nest
+from kerfwise import Nest
 
 SIDES, SPECK_MM2, ISLAND = 4, 1.0, 10.0
 Told = tuple[int, str, int]

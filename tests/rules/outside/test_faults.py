@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import kerfwise as api
-from kerfwise.encoder.errors import RuleFault
-from kerfwise.rules.judging.violation import Violation
+from kerfwise import KerfwiseError
+from kerfwise.rule_kit import Violation
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.rules.outside.written import NEST, line_of, profile_file, rule_file
 
@@ -51,7 +51,7 @@ def run(verb: str, plant: Path, folder: Path) -> Ended:
             nest = api.read_nest(NEST)
             rule = profile.rulebook()["bars-last"]
             ask = {"together": lambda: rule.together(nest, None), "still_counts": lambda: rule.still_counts(NEVER, 0)}
-            with pytest.raises(RuleFault) as caught:
+            with pytest.raises(KerfwiseError, match="rule bars-last fails in") as caught:
                 ask[verb]()
             return Ended(2, "", str(caught.value))
 

@@ -11,13 +11,7 @@ import jsonschema
 import pytest
 
 import kerfwise as api
-from kerfwise.encoder.errors import InputError
-from kerfwise.rules.outside import plugin_sources
-from kerfwise.rules.profile.load import files_of, load_profile
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.profile_yaml import profile_yaml
-from kerfwise.rules.profile.schema import profile_schema
-from kerfwise.rules.registry import RULES
+from kerfwise import InputError, Profile, load_profile
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.rules.outside.written import NEST, line_of, profile_file, rule_file
 
@@ -26,7 +20,14 @@ from kerfwise.tests.rules.outside.written import NEST, line_of, profile_file, ru
 def nobody_is_trusted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
     monkeypatch.setenv("APPDATA", str(tmp_path / "config"))
-    monkeypatch.delenv(plugin_sources.VARIABLE, raising=False)
+    monkeypatch.delenv("KERFWISE_TRUST", raising=False)
+
+
+def configured(folder: Path, text: str) -> None:
+    """What the machine's own configuration says."""
+    path = folder / "config" / "kerfwise" / "config.yaml"
+    path.parent.mkdir(parents=True)
+    path.write_text(text, encoding="utf-8")
 
 
 def plant(folder: Path, text: str = "python: bars.py") -> Profile:
@@ -39,7 +40,6 @@ def test_the_rule_is_on_with_its_own_strength(tmp_path: Path) -> None:
     setting = profile.settings()["bars-last"]
     assert (setting.strength, setting.weight, setting.options.ratio) == ("hard", None, 4.0)
     assert profile.rulebook()["bars-last"].brought == f"file {tmp_path / 'bars.py'}"
-    assert "bars-last" not in RULES
     assert "bars-last" not in load_profile().rulebook()
 
 
@@ -107,17 +107,16 @@ def test_what_allows_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert "bars-last" in api.load_profile(path, trust=True).rules
     assert kerfwise("profile", "check", path, "--trust").code == 0
     for place in (tmp_path, tmp_path / "bars.py"):
-        monkeypatch.setenv(plugin_sources.VARIABLE, str(place))
+        monkeypatch.setenv("KERFWISE_TRUST", str(place))
         assert kerfwise("profile", "check", path).code == 0
-    monkeypatch.setenv(plugin_sources.VARIABLE, str(tmp_path / "other"))
+    monkeypatch.setenv("KERFWISE_TRUST", str(tmp_path / "other"))
     assert kerfwise("profile", "check", path).code == 2
-    monkeypatch.setenv(plugin_sources.VARIABLE, "other")
+    monkeypatch.setenv("KERFWISE_TRUST", "other")
     assert (
         "KERFWISE_TRUST: expected full paths of files or folders, got 'other'" in kerfwise("profile", "check", path).err
     )
-    monkeypatch.delenv(plugin_sources.VARIABLE)
-    plugin_sources.configuration().parent.mkdir(parents=True)
-    plugin_sources.configuration().write_text(f"trust: ['{tmp_path}']", encoding="utf-8")
+    monkeypatch.delenv("KERFWISE_TRUST")
+    configured(tmp_path, f"trust: ['{tmp_path}']")
     assert kerfwise("profile", "check", path).code == 0
 
 
@@ -132,8 +131,7 @@ def test_what_allows_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
 )
 def test_mistakes_of_the_configuration(text: str, message: str, tmp_path: Path) -> None:
     rule_file(tmp_path)
-    plugin_sources.configuration().parent.mkdir(parents=True)
-    plugin_sources.configuration().write_text(text, encoding="utf-8")
+    configured(tmp_path, text)
     with pytest.raises(InputError, match=message):
         load_profile(profile_file(tmp_path))
     assert load_profile().name, "a profile without Python never asks for it"
@@ -147,14 +145,13 @@ def test_a_profile_that_is_based_on_it_has_the_rule(tmp_path: Path) -> None:
     profile = load_profile(path, trust=True)
     assert profile.rules["bars-last"].strength == "soft"
     assert len(profile.python) == 1
-    assert tmp_path / "bars.py" in {file.resolve() for file in files_of(profile)}
     with pytest.raises(InputError, match="is code"):
         load_profile(path)
 
 
 def test_what_is_shown_reads_back_the_same(tmp_path: Path) -> None:
     profile = plant(tmp_path, "python: bars.py\nrules: {bars-last: {strength: soft, ratio: 3}}")
-    shown = profile_yaml(profile)
+    shown = kerfwise("profile", "show", tmp_path / "plant.yaml", "--trust").out
     assert f"  # Bars are cut after the other parts. From file {tmp_path / 'bars.py'}.\n  bars-last:\n" in shown
     (tmp_path / "shown.yaml").write_text(shown, encoding="utf-8")
     again = load_profile(tmp_path / "shown.yaml", trust=True)
@@ -172,7 +169,7 @@ def test_it_is_listed_and_has_a_page_and_a_place_in_the_schema(tmp_path: Path) -
     schema = json.loads(kerfwise("profile", "schema", path, "--trust").out)
     jsonschema.validate({"python": ["bars.py"], "rules": {"bars-last": {"ratio": 2}}}, schema)
     with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate({"rules": {"bars-last": {"ratio": 2}}}, profile_schema())
+        jsonschema.validate({"rules": {"bars-last": {"ratio": 2}}}, json.loads(kerfwise("profile", "schema").out))
 
 
 def test_it_is_never_written_over(tmp_path: Path) -> None:

@@ -8,10 +8,9 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.rules.own.known_nest import attributes
+from kerfwise import read_nest
 from kerfwise.tests.commands.run_cli import kerfwise
-from kerfwise.tests.encoder.readers.drawings import lines, save_dxf, square
+from kerfwise.tests.encoder.readers.drawings import lines, read_drawing, save_dxf, square
 
 PLAIN = """rules: {heat-lag: off, no-islands: off, no-narrow-strips: off, no-tip-travel: off, part-rigidity: off,
         level-ahead: off, hull-before: off, start-side: off, zone-order: off, pierce: {clearance: 2 mm}}
@@ -100,7 +99,7 @@ def blocks(space: Any) -> None:
 
 
 def test_blocks_and_their_attributes(tmp_path: Path) -> None:
-    nest = read_nest(save_dxf(tmp_path, blocks), ReadOptions(answers=(("colour:red", "cut"),)))
+    nest = read_nest(save_dxf(tmp_path, blocks), answers={"colour:red": "cut"})
     assert [c.source.block for c in nest.contours] == ["HINGE_x4/HOLE", "HINGE_x4"] * 3 + [""]
     assert [c.source.colour for c in nest.contours][:2] == ["red", "white"]
     assert [part.attributes for part in nest.parts] == [
@@ -109,7 +108,6 @@ def test_blocks_and_their_attributes(tmp_path: Path) -> None:
         {"ORDER": "A-1", "quantity": 4},
         {},
     ]
-    assert attributes(nest, "order")[::2] == [17, 18, "A-1", None]
     rules = """drawing: {answers: {"colour:red": cut}}
 own_rules:
   - {name: red ones first, select: {colour: red}, before: {kind: outer}, scope: part}
@@ -140,7 +138,7 @@ def test_the_quantity_in_the_name_of_a_file(tmp_path: Path, name: str, quantity:
 
 def test_a_plant_has_a_pattern_of_its_own(tmp_path: Path) -> None:
     path = save_dxf(tmp_path, two_rows).rename(tmp_path / "7-off bracket.dxf")
-    assert read_nest(path, ReadOptions(quantity=r"^(\d+)-off")).parts[0].attributes == {"quantity": 7}
+    assert read_drawing(path, quantity=r"^(\d+)-off").parts[0].attributes == {"quantity": 7}
     (tmp_path / "p.yaml").write_text("drawing: {quantity: 'off'}\n")
     ended = kerfwise("profile", "check", tmp_path / "p.yaml")
     assert ended.code == 2

@@ -9,20 +9,17 @@ from pathlib import Path
 import pytest
 
 import kerfwise
+from kerfwise import Plan, Profile, load_profile, read_nest
 from kerfwise.encoder.candidates import build_candidates
 from kerfwise.encoder.facts import compute_facts
-from kerfwise.encoder.readers import read_nest
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.make_plan import make_plan
-from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.own import as_rule
 from kerfwise.rules.own.demands import ASKS, PLACES
 from kerfwise.rules.own.known_nest import NAMED_FACTS
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.stating.state_rules import state_rules
 from kerfwise.tests.tools.amount import full
 

@@ -6,15 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.request import facts_of, make_request
-from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.pipeline import solve_and_verify
-from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.overrides import read_setting, with_settings
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.profile_yaml import profile_yaml
+import kerfwise
+from kerfwise import InputError, Profile, load_profile
+from kerfwise.rule_kit import nest, part, rect
+from kerfwise.tests.commands.run_cli import kerfwise as command_line
 
 MODEL = """% rivets-first: small holes of a part are cut before its others
 int: rivets_first_most;  % default 100: no longer round than this, mm
@@ -46,12 +41,17 @@ def test_what_an_entry_does_not_set_is_the_files(tmp_path: Path) -> None:
     assert options(loaded(tmp_path, "{file: rivets_first.mzn, parameters: {turned: true}}")) == (100, True)
 
 
-def test_they_are_shown_and_set_for_one_nest(tmp_path: Path) -> None:
-    plant = loaded(tmp_path, "{file: rivets_first.mzn, parameters: {most: 170}}")
-    (tmp_path / "shown.yaml").write_text(profile_yaml(plant))
+def test_they_are_shown(tmp_path: Path) -> None:
+    loaded(tmp_path, "{file: rivets_first.mzn, parameters: {most: 170}}")
+    (tmp_path / "shown.yaml").write_text(command_line("profile", "show", tmp_path / "plant.yaml").out)
     assert options(load_profile(tmp_path / "shown.yaml")) == (170, False)
-    made = with_settings(plant, [read_setting("own_rules.rivets_first.parameters.turned=true")])
-    assert options(made) == (170, True)
+
+
+@pytest.mark.minizinc
+def test_they_are_set_for_one_nest(tmp_path: Path) -> None:
+    plant = loaded(tmp_path, "{file: rivets_first.mzn, parameters: {most: 170}}")
+    made = kerfwise.solve(HOLES, plant, settings=["own_rules.rivets_first.parameters.turned=true"], work=0.5)
+    assert options(made.profile) == (170, True)
 
 
 @pytest.mark.minizinc
@@ -65,7 +65,7 @@ def test_they_are_shown_and_set_for_one_nest(tmp_path: Path) -> None:
 )
 def test_a_plan_obeys_them(tmp_path: Path, entry: str, first: set[str]) -> None:
     profile = loaded(tmp_path, f"{{file: rivets_first.mzn, parameters: {entry}}}")
-    plan = solve_and_verify(make_request(facts_of(HOLES, profile), profile), profile, SolveOptions(work=0.5)).plan
+    plan = kerfwise.solve(HOLES, profile, work=0.5).plan
     order = [planned.cut.contour for planned in plan.cuts]
     assert set(order[: len(first)]) == first
 

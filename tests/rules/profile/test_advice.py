@@ -8,16 +8,14 @@ from typing import Any
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
+from kerfwise import InputError, Profile, load_profile
 from kerfwise.encoder.scrap import MOST_PIECES, with_scrap
 from kerfwise.jobs.nest_job.job import job_of
-from kerfwise.rules.case import nest, part, rect
+from kerfwise.rule_kit import OrWord, nest, part, rect
 from kerfwise.rules.charts.read_chart import read_chart
 from kerfwise.rules.options.option import Members, options_of
-from kerfwise.rules.options.quantities import LengthSpan, OrWord, PointXY, Quantity
-from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.options.quantities import LengthSpan, PointXY, Quantity
 from kerfwise.rules.profile.overrides import read_setting, with_settings
-from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import SECTIONS, default_settings
 
 

@@ -6,10 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.rules.profile.load import files_of, load_profile
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.profile_yaml import Provenance, profile_yaml
+from kerfwise import InputError, Profile, load_profile
+from kerfwise.tests.commands.run_cli import kerfwise
 
 CHART = """\
 material, thickness [mm], kerf [mm], feed [mm/min], pierce_delay [s], cut_height [mm], amps, gas
@@ -77,13 +75,14 @@ def test_row_without_a_chart(tmp_path: Path) -> None:
 
 def test_each_value_says_where_it_is_from(tmp_path: Path, chart: Path) -> None:
     plant = loaded(tmp_path, "material:\n  chart: charts/shop.csv\n  cut_height: 2 mm\n")
-    told = Provenance(plant)
-    assert told.of("machine.cut_feed") == f"{chart}:2"
-    assert told.of("material.cut_height") == f"{tmp_path / 'plant.yaml'}:3"
-    assert told.of("machine.home") == "default"
-    assert f"machine.cut_feed: 2500 mm/min, {chart}:2" in list(told.charted())
-    assert f"; {chart}:2" in profile_yaml(plant, sources=True)
-    assert str(chart) + ":2" not in profile_yaml(plant)
+    assert plant.chart is not None
+    told = kerfwise("profile", "show", tmp_path / "plant.yaml", "--sources").out
+    from_where = {row.split(":")[0].strip(): row.rpartition("; ")[2] for row in told.splitlines()}
+    assert from_where["cut_feed"] == f"{chart}:2"
+    assert from_where["cut_height"] == f"{tmp_path / 'plant.yaml'}:3"
+    assert from_where["home"] == "default"
+    assert f"machine.cut_feed: 2500 mm/min, {chart}:2" in kerfwise("profile", "check", tmp_path / "plant.yaml").out
+    assert str(chart) + ":2" not in kerfwise("profile", "show", tmp_path / "plant.yaml").out
 
 
 def test_what_show_prints_is_the_same_profile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -93,16 +92,14 @@ def test_what_show_prints_is_the_same_profile(tmp_path: Path, monkeypatch: pytes
         "corners: {corner_feed: 0.5}\n"
     )
     plant = load_profile("plant.yaml")
-    Path("plant.yaml").write_text(profile_yaml(plant))
+    Path("plant.yaml").write_text(kerfwise("profile", "show", "plant.yaml").out)
     assert load_profile("plant.yaml") == plant
     assert not load_profile("plant.yaml").chart_notes()
 
 
 def test_the_sha256_covers_every_file(tmp_path: Path, chart: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    from kerfwise.postproc.dialects import dialect_text
-
-    Path("shop.yaml").write_text(dialect_text("linuxcnc"))
+    Path("shop.yaml").write_text(kerfwise("dialects", "show", "linuxcnc").out)
     loaded(tmp_path, "machine: {travel: 10 m/min}\n", "base.yaml")
     text = "based_on: base.yaml\nmaterial: {chart: charts/shop.csv}\nmachine: {dialect: shop.yaml}\n"
     seen = [loaded(tmp_path, text).sha256]
@@ -111,7 +108,6 @@ def test_the_sha256_covers_every_file(tmp_path: Path, chart: Path, monkeypatch: 
         file.write_text(file.read_text() + "# seen\n")
         seen.append(loaded(tmp_path, text).sha256)
     assert len(set(seen)) == 4
-    assert {chart, Path("shop.yaml")} <= set(files_of(loaded(tmp_path, text)))
 
 
 BEVELS = """\
@@ -124,12 +120,13 @@ S235, 20, 2.0, 2.2, 2.6,
 def test_kerfs_by_angle_are_those_of_bevels(tmp_path: Path, chart: Path) -> None:
     chart.write_text(BEVELS)
     text = "material: {chart: charts/shop.csv, thickness: 20 mm}\ncuts: {bevel: {head: tilting}}\n"
+    text += "machine: {dialect: linuxcnc}\n"
     plant = loaded(tmp_path, text)
     assert plant.cuts.bevel.kerfs == ((30.0, 2.2), (45.0, 2.6))
     options = plant.bevel_options()
     assert options is not None
     assert [options.kerf_mm(angle) for angle in (0, 30, 37.5, -45)] == pytest.approx([2.0, 2.2, 2.4, 2.6])
-    assert "cuts.bevel.kerfs at 45°: 2.6 mm, " + f"{chart}:3" in list(Provenance(plant).charted())
+    assert f"cuts.bevel.kerfs at 45°: 2.6 mm, {chart}:3" in kerfwise("profile", "check", tmp_path / "plant.yaml").out
     between = loaded(tmp_path, text.replace("20 mm", "15 mm, interpolate: true"))
     assert between.cuts.bevel.kerfs == ((30.0, 2.1), (45.0, 2.4))
     note = "kerf 1.9 mm, kerf_30 2.1 mm, kerf_45 2.4 mm are interpolated between 10 mm (line 2) and 20 mm (line 3)"

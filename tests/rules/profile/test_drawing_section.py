@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 
-import kerfwise
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.readers import read_nest
-from kerfwise.rules.options.option import Members, options_of
-from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.profile.profile_yaml import profile_yaml
-from kerfwise.rules.profile.sections import DrawingSection
+import kerfwise as package
+from kerfwise import InputError, Profile, load_profile, read_nest
+from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.encoder.readers.drawings import save_dxf
 from kerfwise.tests.encoder.readers.test_frame import framed
 from kerfwise.tests.encoder.readers.test_open_lines import engraved
@@ -30,9 +27,9 @@ def load(folder: Path, text: str) -> Profile:
 
 
 def test_the_layer_map_is_read_with_the_rest_at_its_default(tmp_path: Path) -> None:
-    layers = load(tmp_path, "drawing: {layers: {cut: '^0$', mark: jel}}").read_options().layers
+    layers = load(tmp_path, "drawing: {layers: {cut: '^0$', mark: jel}}").drawing.layers
     assert (layers.cut, layers.mark) == ("^0$", "jel")
-    assert layers.sheet == DrawingSection().layers.sheet
+    assert layers.sheet == load(tmp_path, "name: plant").drawing.layers.sheet != ""
 
 
 def test_a_profile_based_on_another_keeps_what_it_does_not_say(tmp_path: Path) -> None:
@@ -43,7 +40,7 @@ def test_a_profile_based_on_another_keeps_what_it_does_not_say(tmp_path: Path) -
 
 def test_show_prints_every_pattern_and_reads_back(tmp_path: Path) -> None:
     profile = load(tmp_path, 'name: plant\ndrawing: {layers: {mark: "it\'s|#"}, open_lines: refuse}')
-    shown = profile_yaml(profile)
+    shown = kerfwise("profile", "show", tmp_path / "plant.yaml").out
     assert "  layers:  " in shown
     assert "    mark: it's|#" in shown
     assert load(tmp_path, shown) == profile
@@ -77,13 +74,19 @@ def test_the_older_keys_still_say_the_same(tmp_path: Path) -> None:
     assert (older.sheet, older.mark, older.cut) == ("^S$", "^M$", "^0$")
 
 
-def keys(owner: Any, before: str) -> set[str]:
-    found = set()
-    for option in options_of(owner):
-        found.add(f"{before}.{option.key}")
-        if isinstance(option.kind, Members):
-            found |= keys(getattr(owner, option.name), f"{before}.{option.key}")
-    return found
+def keys() -> set[str]:
+    """Every key of the section, by the schema for editors."""
+    schema = json.loads(kerfwise("profile", "schema").out)
+    return set(_keys(schema, schema["properties"]["drawing"], "drawing"))
+
+
+def _keys(schema: dict[str, Any], of: dict[str, Any], before: str) -> Iterator[str]:
+    for each in (of, *of.get("anyOf", ()), *of.get("oneOf", ())):
+        if "$ref" in each:
+            yield from _keys(schema, schema["$defs"][each["$ref"].rpartition("/")[2]], before)
+        for key, value in each.get("properties", {}).items():
+            yield f"{before}.{key}"
+            yield from _keys(schema, value, f"{before}.{key}")
 
 
 def keys_named(text: str) -> set[str]:
@@ -91,7 +94,7 @@ def keys_named(text: str) -> set[str]:
 
 
 def test_every_key_that_the_readers_name_is_one_of_a_profile() -> None:
-    root = Path(kerfwise.__file__).parent
+    root = Path(package.__file__).parent
     sources = (p.read_text(encoding="utf-8") for p in sorted((root / "encoder").rglob("*.py")))
     trees = [ast.parse(source) for source in sources if "drawing." in source]
     texts = [
@@ -99,8 +102,8 @@ def test_every_key_that_the_readers_name_is_one_of_a_profile() -> None:
     ]
     named = keys_named("\n".join(texts))
     assert {"drawing.layers", "drawing.layers.sheet", "drawing.open_lines", "drawing.join_tolerance"} <= named
-    assert named <= keys(DrawingSection(), "drawing")
-    assert keys_named("raise drawing.join_tolerance_mm, drawing.layers.marks") - keys(DrawingSection(), "drawing")
+    assert named <= keys()
+    assert keys_named("raise drawing.join_tolerance_mm, drawing.layers.marks") - keys()
 
 
 @pytest.mark.parametrize("draw", [engraved, framed, lambda space: framed(space, "Rahmen")])
@@ -113,11 +116,11 @@ def test_what_a_message_says_to_write_in_a_profile_is_a_profile(draw: object, tm
     assert written
     for line in written:
         assert set(yaml.safe_load(line)) == {"drawing"}
-        assert read_nest(path, load(tmp_path, line).read_options()).parts
+        assert read_nest(path, load(tmp_path, line)).parts
 
 
 def test_the_page_on_drawings_names_keys_that_exist(tmp_path: Path) -> None:
-    page = (Path(kerfwise.__file__).parent / "docs" / "drawings.md").read_text(encoding="utf-8")
+    page = (Path(package.__file__).parent / "docs" / "drawings.md").read_text(encoding="utf-8")
     [block] = re.findall(r"```yaml\n(.*?)```", page, re.DOTALL)
     assert load(tmp_path, block).drawing.layers.scrap == "cuttingline"
-    assert keys_named(page) <= keys(DrawingSection(), "drawing")
+    assert keys_named(page) <= keys()

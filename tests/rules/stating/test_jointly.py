@@ -9,10 +9,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.errors import RulesConflict
-from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Precede, Statement
+from kerfwise import RulesConflict
+from kerfwise.rule_kit import About, AtLeast, Before, Contiguous, Precede, Statement
 from kerfwise.rules.stating import feasible_order
 from kerfwise.rules.stating import state_rules as stating
+from kerfwise.rules.stating.feasible_order import likely_order
 from kerfwise.rules.stating.state_rules import resolve
 from kerfwise.tests.tools.amount import examples
 
@@ -121,3 +122,30 @@ def test_a_contradiction_that_nothing_mends_stays_one() -> None:
     firm = Asked((("inner-before-outer", 0, 1), ("inner-before-outer", 1, 0)), ((2, 1),), ())
     with pytest.raises(RulesConflict):
         resolve(firm.statements(), N, GIVES_WAY)
+
+
+MANY = 5
+PAIRS = st.lists(
+    st.tuples(st.integers(0, MANY - 1), st.integers(0, MANY - 1)).filter(lambda p: p[0] != p[1]),
+    max_size=5,
+)
+PLACES = st.dictionaries(st.integers(0, MANY - 1), st.integers(0, MANY - 1), max_size=3)
+
+
+@given(PAIRS, PLACES, PLACES)
+def test_all_is_kept_where_that_is_possible(
+    orders: list[tuple[int, int]], earliest: dict[int, int], latest: dict[int, int]
+) -> None:
+    def kept(place: tuple[int, ...] | list[int]) -> bool:
+        return (
+            all(place[i] < place[j] for i, j in orders)
+            and all(place[k] >= of for k, of in earliest.items())
+            and all(place[k] <= of for k, of in latest.items())
+        )
+
+    found = likely_order(MANY, orders, earliest, latest)
+    straight = any(all(place[i] < place[j] for i, j in orders) for place in permutations(range(MANY)))
+    assert (found is not None) == straight
+    if found is not None:
+        assert sorted(found) == list(range(MANY))
+        assert kept(found) == any(map(kept, permutations(range(MANY))))

@@ -6,9 +6,7 @@ import math
 import random
 
 from kerfwise.apps.nesting.placement.demand import QUARTERS, Common, Demand, PartType, Spacing, Stock
-from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import Part, Sheet
-from kerfwise.rules.case import circle, part, rect
+from kerfwise.rule_kit import Curve, Part, Sheet, circle, part, rect
 
 EIGHTHS = tuple(45.0 * k for k in range(8))
 

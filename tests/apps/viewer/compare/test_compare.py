@@ -8,10 +8,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from kerfwise.apps.viewer.compare.comparison import _pays
-from kerfwise.postproc.check.result import Excused, Judgement
-from kerfwise.rules.case import rect
-from kerfwise.rules.judging.violation import Violation
+from kerfwise.rule_kit import rect
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nest_file import nest_file
 
@@ -170,11 +167,3 @@ def test_a_side_without_a_plan_is_named(sheet: Path) -> None:
     assert ended.code == 1
     assert "kerfwise: B, by profile no: " in ended.err
     assert not Path("both.svg").exists()
-
-
-def test_what_is_not_kept_is_told_as_what_it_is() -> None:
-    """A rule that a planner has relaxed is not one that excuses itself."""
-    broken = Violation("level-ahead", ("A.outer", "B.outer"), "A.outer before B.outer")
-    unkept = tuple(Excused(broken, "why", how) for how in ("relaxed", "excused", "relaxed"))
-    judged = Judgement("level-ahead", "hard", "A part …", excused=unkept)
-    assert _pays(judged, None).told == "hard, kept but for 2 relaxed, 1 excused"

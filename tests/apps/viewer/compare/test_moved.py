@@ -8,8 +8,11 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kerfwise.apps.viewer.compare.comparison import _pays
 from kerfwise.apps.viewer.compare.differences import cut_pairs, longest_rising
-from kerfwise.encoder.cut import Cut, CutSequence, Tab
+from kerfwise.encoder.cut import Tab
+from kerfwise.postproc.check.result import Excused, Judgement
+from kerfwise.rule_kit import Cut, CutSequence, Violation
 
 
 def cut(name: str, x: float = 0.0) -> Cut:
@@ -80,3 +83,11 @@ def test_cuts_that_did_not_move_follow_each_other_alike(names: list[str]) -> Non
     assert [(p.a, p.b) for p in pairs] == [
         (sorted(names).index(p.contour) + 1, names.index(p.contour) + 1) for p in pairs
     ]
+
+
+def test_what_is_not_kept_is_told_as_what_it_is() -> None:
+    """A rule that a planner has relaxed is not one that excuses itself."""
+    broken = Violation("level-ahead", ("A.outer", "B.outer"), "A.outer before B.outer")
+    unkept = tuple(Excused(broken, "why", how) for how in ("relaxed", "excused", "relaxed"))
+    judged = Judgement("level-ahead", "hard", "A part …", excused=unkept)
+    assert _pays(judged, None).told == "hard, kept but for 2 relaxed, 1 excused"

@@ -6,15 +6,15 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+from kerfwise import Nest
 from kerfwise.apps.viewer.compare import SideAsked, compare, side_of
 from kerfwise.apps.viewer.page.page_data import compared_data, page_bytes, page_data
-from kerfwise.encoder.nest import Nest
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.inputs import Inputs, drawn_nest, plant_of
 from kerfwise.jobs.request import options_for
 from kerfwise.pipeline import plan_nest
 from kerfwise.postproc.report import draw
-from kerfwise.rules.case import nest, part, rect
+from kerfwise.rule_kit import nest, part, rect
 from kerfwise.rules.profile.overrides import without_rule
 from kerfwise.tests.postproc.report.plausible import plausible_plan
 

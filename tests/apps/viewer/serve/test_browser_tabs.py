@@ -7,8 +7,6 @@ import os
 import httpx
 import pytest
 
-from kerfwise.apps.viewer.serve import routes
-from kerfwise.apps.viewer.serve.session import Alternative
 from kerfwise.tests.apps.viewer.serve.at_page import drop
 from kerfwise.tests.apps.viewer.serve.conftest import FIRST, MOUSE_FIRST, Look
 from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Served, Tab
@@ -107,28 +105,3 @@ def test_a_nest_is_opened_from_the_list_and_by_dropping_it(look: Look, served: S
             page.wait_for_selector("section li")
             assert page.locator("section canvas").count() == 1
     page.wait_for_url("**/nest/*")
-
-
-def test_a_long_list_is_told_bit_by_bit(
-    look: Look, served: Served, planned: Tab, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Whatever it is sorted by, all of it can be seen; a state is that of the plan that is shown."""
-    monkeypatch.setattr(routes, "MOST_ROWS", 2)
-    monkeypatch.setattr(Alternative, "state", "kept but for")
-    folder = planned.nest.parent
-    for name in ("plate10.json", "Plate9.json", "Träger.json", "Traverse.json"):
-        (folder / name).write_text(SMALL, encoding="utf-8")
-    page = look().page
-    page.goto(f"{served.address}/?list")
-    page.fill("#filter", folder.name)
-    page.click("#more button:has-text('3 are left')")
-    page.wait_for_selector("#nests li:nth-child(4)")
-    assert str(page.evaluate("document.activeElement.getAttribute('aria-label')")).endswith("small.json")
-    page.click("#more button:has-text('1 is left')")
-    page.wait_for_selector("#nests li:nth-child(5)")
-    assert page.locator("#more button").count() == 0
-    in_order = ["Plate9.json", "plate10.json", "small.json", "Träger.json", "Traverse.json"]
-    assert page.locator("#nests b").all_inner_texts() == in_order
-    page.select_option("#sort", "state")
-    page.wait_for_selector("#nests li:first-child .warn:has-text('places not kept')")
-    assert page.locator("#nests b").first.inner_text() == "small.json"

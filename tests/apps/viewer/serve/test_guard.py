@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import http.client
-import json
-import os
-from collections.abc import AsyncIterator
 from pathlib import Path
 
 import httpx
 import pytest
 
-from kerfwise.apps.viewer.serve.guard import MOST_BODY_BYTES, Keys
-from kerfwise.apps.viewer.serve.nest_folder import Folder, is_readable
-from kerfwise.apps.viewer.serve.run_server import make_app
-from kerfwise.apps.viewer.serve.server import Server
-from kerfwise.tests.apps.viewer.serve.served import COOKIE, SMALL, TOKEN, Open, Served, in_a_loop
+from kerfwise.tests.apps.viewer.serve.served import COOKIE, SMALL, TOKEN, Open, Served
 
 OWN = {"x-kerfwise-token": TOKEN}
 
@@ -96,37 +88,6 @@ def test_a_hundred_megabytes_are_refused_before_they_are_sent(served: Served) ->
     answer = browser.getresponse()
     assert answer.status == 413
     assert b"at most 32 MB" in answer.read()
-
-
-def test_a_body_that_does_not_say_its_length_ends_at_the_limit(served: Served) -> None:
-    browser = http.client.HTTPConnection("127.0.0.1", served.port, timeout=30)
-    sent = 0
-
-    def endless() -> object:
-        nonlocal sent
-        for _ in range(100):
-            sent += 1_000_000
-            yield b"x" * 1_000_000
-
-    with contextlib.suppress(OSError):  # the server may hang up
-        browser.request("POST", "/api/drop?name=a.json", endless(), OWN, encode_chunked=True)
-    assert sent < 100_000_000 or browser.getresponse().status == 413
-    assert sent >= MOST_BODY_BYTES
-
-
-def test_who_sends_too_much_is_told_so(tmp_path: Path) -> None:
-    async def endless() -> AsyncIterator[bytes]:
-        for _ in range(40):
-            yield b"x" * 1_000_000
-
-    async def ask() -> httpx.Response:
-        way = httpx.ASGITransport(make_app(Server(Folder(tmp_path)), Keys(TOKEN), 8000))
-        async with httpx.AsyncClient(transport=way, base_url="http://127.0.0.1:8000", headers=OWN) as client:
-            return await client.post("/api/drop?name=a.json", content=endless())
-
-    answer = in_a_loop(ask())
-    assert (answer.status_code, answer.json()["kind"]) == (413, "refused")
-    assert "at most 32 MB" in answer.json()["message"]
 
 
 def test_cookies_of_other_servers_of_this_machine_are_no_matter(served: Served, stranger: httpx.Client) -> None:
@@ -218,14 +179,3 @@ def test_what_is_not_json_is_said(opened: Open, client: httpx.Client) -> None:
     assert (moved.status_code, moved.json()["kind"]) == (422, "input")
     assert moved.json()["message"] == "contours: expected the id of a contour or the name of a part"
     assert tab.state()["job_text"] is None
-
-
-def test_a_name_that_is_no_utf_8_is_listed_and_not_opened(served: Served, client: httpx.Client) -> None:
-    name = os.fsdecode(b"Tr\xe4ger.json")
-    (served.server.folder.path / name).write_text(SMALL, encoding="utf-8")
-    told = client.get("/api/nests").json()
-    assert told["unreadable"] == ["Tr\\udce4ger.json"]
-    assert all(is_readable(one) for one in told["nests"])
-    answer = client.post("/api/open", content=json.dumps({"nest": name}))
-    assert (answer.status_code, answer.json()["kind"]) == (422, "input")
-    assert answer.json()["message"].startswith("'Tr\\\\udce4ger.json' is no name in UTF-8: ")

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
-import socket
 import time
 from pathlib import Path
 
 import httpx
 import pytest
 
-from kerfwise.apps.viewer.serve import guard, run_server
-from kerfwise.apps.viewer.serve.nest_folder import Folder, NestList
-from kerfwise.tests.apps.viewer.serve.served import SMALL, TOKEN, Open, Served, Tab
-from kerfwise.tests.tools.amount import few
+from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Served, Tab
 
 SECRET = "root-of-all-secrets"
 LIKE_A_RULE = f"constraint {SECRET};\n"
@@ -171,23 +166,6 @@ def test_a_question_has_a_limit_of_time(opened: Open, monkeypatch: pytest.Monkey
     assert tab.get("why", contour="C.outer")["text"]
 
 
-@pytest.mark.parametrize("files", few([3_000, 60_000]))
-def test_a_folder_of_many_files_is_listed_at_once_and_whole(tmp_path: Path, files: int) -> None:
-    for k in range(files):
-        (tmp_path / f"plate{k}.dxf").touch()
-    (tmp_path / "below" / ".hidden").mkdir(parents=True)
-    for name in ("below/a.json", "below/.hidden/b.json", "below/plate.plan.json", "below/other.json"):
-        (tmp_path / name).write_text("{}" if "other" in name else SMALL, encoding="utf-8")
-    nests = NestList(Folder(tmp_path.resolve()))
-    began_s = time.monotonic()
-    found, complete = nests.known(0.2)
-    assert time.monotonic() - began_s < 2.0
-    while not complete:
-        found, complete = nests.known(0.2)
-    names = [one.name for one in found]
-    assert names == ["below/a.json", *(f"plate{k}.dxf" for k in range(files))]  # as people count
-
-
 def test_a_list_says_how_many_it_leaves_out(served: Served, client: httpx.Client, tmp_path: Path) -> None:
     folder = served.server.folder.path / tmp_path.name
     folder.mkdir()
@@ -205,37 +183,6 @@ def test_a_list_says_how_many_it_leaves_out(served: Served, client: httpx.Client
     assert told["found"] == 700
     assert seen == [f"{tmp_path.name}/many{k}.dxf" for k in range(700)]
     assert all(row["size"] == 0 and row["plans"] == 0 for row in told["rows"])
-
-
-@pytest.mark.parametrize("sent", ["", "GET / HTTP/1.1\r\nhost: 127", "GET / HTTP/1.1\r\n", "body", "second"])
-def test_half_a_request_is_not_waited_for(served: Served, monkeypatch: pytest.MonkeyPatch, sent: str) -> None:
-    monkeypatch.setattr(run_server, "HEAD_S", 0.3)
-    monkeypatch.setattr(guard, "BODY_S", 0.3)
-    whole = f"GET /api/nests HTTP/1.1\r\nhost: 127.0.0.1:{served.port}\r\nx-kerfwise-token: {TOKEN}\r\n\r\n"
-    if sent == "body":
-        sent = whole.replace("GET /api/nests", "POST /api/open").replace("\r\n\r\n", "\r\ncontent-length: 9\r\n\r\n{")
-    if sent == "second":
-        sent = whole + whole[:20]
-    with socket.create_connection(("127.0.0.1", served.port), timeout=20) as way:
-        way.sendall(sent.encode())
-        said = b""
-        while part := way.recv(65536):
-            said += part
-    assert said[:12] in (b"", b"HTTP/1.1 408", b"HTTP/1.1 200")
-
-
-def test_who_does_not_take_what_is_sent_is_left(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run_server, "TAKEN_S", 0.3)
-    ask = f"GET /files/page.css HTTP/1.1\r\nhost: 127.0.0.1:{served.port}\r\nx-kerfwise-token: {TOKEN}\r\n\r\n"
-    with socket.socket() as way:
-        way.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-        way.settimeout(20)
-        way.connect(("127.0.0.1", served.port))
-        with contextlib.suppress(OSError):
-            for _ in range(4000):
-                way.sendall(ask.encode())
-                time.sleep(0.0005)
-            raise AssertionError("it still listens")
 
 
 def test_what_is_answered_names_no_other_drawing(opened: Open) -> None:

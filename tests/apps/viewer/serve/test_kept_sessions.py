@@ -20,10 +20,6 @@ import httpx
 import pytest
 from playwright.sync_api import Browser
 
-from kerfwise.apps.viewer.serve.kept_sessions import KeptSessions, NotPrivate, private_folder
-from kerfwise.apps.viewer.serve.news import News
-from kerfwise.apps.viewer.serve.plan_request import PlanRequest
-from kerfwise.apps.viewer.serve.session import Session
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.apps.viewer.serve.conftest import Look
 from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Tab, wait_for
@@ -314,32 +310,3 @@ def test_a_damaged_plan_is_left_aside_and_the_others_are_there(killable: Killabl
     killable.kill()
     killable.begin()
     assert [one["number"] for one in killable.open("small.json")["alternatives"]] == [2]
-
-
-@pytest.mark.skipif(not hasattr(os, "getuid"), reason="Windows has no such rights")
-def test_nothing_is_kept_where_others_may_write(tmp_path: Path) -> None:
-    shared = tmp_path / "shared"
-    shared.mkdir()
-    shared.chmod(0o777)
-    with pytest.raises(NotPrivate, match="may be written by others"):
-        private_folder(shared)
-    told = KeptSessions(shared, tmp_path).told()
-    assert (told["ok"], told["why"]) == (False, f"{shared} may be written by others")
-    made = private_folder(tmp_path / "state" / "below")
-    assert made.stat().st_mode & 0o077 == 0
-
-
-def test_a_session_that_is_damaged_or_of_another_version_hinders_no_nest(tmp_path: Path) -> None:
-    nest, kept = tmp_path / "small.json", KeptSessions(tmp_path / "state", tmp_path)
-    kept.keep(Session("abc", "small.json", PlanRequest("small.json"), {"sha256": ""}, News()))
-    (file,) = (tmp_path / "state").rglob("session.json")
-    sound = json.loads(file.read_text())
-    assert kept.load("abc", nest) is not None
-    damaged = [{**sound, name: value} for name in sound for value in ("x", 7, None, [[]])]
-    damaged += [{name: value for name, value in sound.items() if name != gone} for gone in sound]
-    damaged += [{**sound, "wanted": {**sound["wanted"], name: [3]}} for name in sound["wanted"]]
-    for data in damaged:
-        file.write_text(json.dumps(data))
-        found = kept.load("abc", nest)
-        assert found is None or isinstance(found.wanted.job_text, str | None), data
-    assert kept.load("abc", nest) is None, "the last one is damaged"

@@ -7,8 +7,7 @@ import json
 import httpx
 import pytest
 
-from kerfwise.apps.viewer.serve.news import News
-from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Tab, in_a_loop
+from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Tab
 
 pytestmark = pytest.mark.slow
 
@@ -24,20 +23,6 @@ def test_two_tabs_see_the_same_and_neither_writes_over_the_other(opened: Open, c
     for what, said in (("solve", {}), ("back", {"to": 1}), ("save", {}), ("cut", {"upto": 1})):
         assert one.client.post(f"/api/{one.id}/{what}", json={"version": one.version, **said}).status_code == 409
         assert one.client.post(f"/api/{one.id}/{what}", json=said).status_code == 409
-
-
-def test_whoever_is_slow_to_listen_hears_each_thing_once() -> None:
-    news = News()
-    all_nests, one = news.listen(), news.listen("a")
-    for _ in range(50):
-        news.tell("progress", "a")
-    news.tell("state", "b")
-    news.tell("planner")
-    assert in_a_loop(all_nests.next()) == [("progress", "a"), ("state", "b"), ("planner", "")]
-    assert in_a_loop(one.next()) == [("progress", "a"), ("planner", "")]
-    news.leave(one)
-    assert news.listeners == 1
-    assert news.server != News().server  # so that a tab sees that another server answers
 
 
 def test_one_stream_has_the_news_of_all_nests(opened: Open, client: httpx.Client) -> None:

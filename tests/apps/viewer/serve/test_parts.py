@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from kerfwise.encoder.readers.read import read_nest
+from kerfwise import read_nest
 from kerfwise.tests.apps.viewer.serve.at_page import AtPage
 from kerfwise.tests.apps.viewer.serve.conftest import Look
 from kerfwise.tests.apps.viewer.serve.served import Open, Tab

@@ -11,7 +11,7 @@ import httpx
 import pytest
 from playwright.sync_api import Browser
 
-from kerfwise.jobs.nest_job.job import read_job
+from kerfwise import read_job
 from kerfwise.tests.apps.viewer.serve.at_page import drop
 from kerfwise.tests.apps.viewer.serve.conftest import TOUCH_FIRST, Look
 from kerfwise.tests.apps.viewer.serve.served import Open, Served

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import httpx
 import pytest
 
-from kerfwise.apps.viewer.serve.server import Server
 from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Served, Tab, command_line, saved_files
 
 pytestmark = pytest.mark.slow
@@ -140,14 +138,6 @@ def test_a_nest_that_changed_on_disk_is_shown_anew_and_keeps_its_plans(opened: O
     assert state["sha256"] != sha256
     assert again.solved()["shown"] == 2  # a number is that of one plan only
     assert again.post("differences", nest="seen")["differences"] == []
-
-
-def test_the_profile_that_the_server_was_given_goes_into_the_job_file(served: Served, opened: Open) -> None:
-    assert Server(served.server.folder, "laser-wood")._first_text(None, Path("/a/b.dxf")) == "profile: laser-wood\n"
-    assert Server(served.server.folder, "/a/p.yaml")._first_text("quantity: 2\n", Path("/a/b.dxf")) == (
-        "quantity: 2\nprofile: p.yaml\n"
-    )
-    assert Server(served.server.folder, "x")._first_text("profile: y\n", Path("/a/b.dxf")) == "profile: y\n"
 
 
 def test_plans_of_many_open_nests_are_all_found_again(opened: Open, client: httpx.Client) -> None:

@@ -17,7 +17,8 @@ from kerfwise.models.engines.bounds import complete
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
 from kerfwise.models.engines.ideals.lattice import TooLarge
-from kerfwise.models.engines.ideals.stretches.stretch_bounds import limits_within_work, rising_limits
+from kerfwise.models.engines.ideals.stretches import stretch_bounds
+from kerfwise.models.engines.ideals.stretches.stretch_bounds import Arena, limits_within_work, rising_limits
 from kerfwise.models.engines.solution import Incumbent, SolveOptions
 from kerfwise.models.engines.tuning import STRETCH_DEARER as DEARER
 from kerfwise.models.problem.evaluate import route_cost
@@ -146,3 +147,15 @@ def test_every_sweep_ends_where_what_they_take_rises_as_a_power(work: float) -> 
     assert all(one < other for one, other in pairwise(limits))
     assert whole == (work > exp(5) / 2)
     assert (limits[-1] == known) == whole
+
+
+def test_tables_stay_as_they_were(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stretch_bounds, "PIECE", 50)
+    rng = np.random.default_rng(1)
+    tables = [rng.random((k % 4 + 1, 2, k % 5 + 1)) for k in range(30)] + [rng.random((9, 9))]
+    kept = Arena()
+    put = [kept.put(table) for table in tables]
+    for table, copy in zip(tables, put, strict=True):
+        assert copy.tolist() == table.tolist()
+        assert copy.flags.c_contiguous
+    assert len({id(copy.base) for copy in put}) < len(tables) / 2

@@ -7,15 +7,28 @@ from functools import cache
 
 from hypothesis import strategies as st
 
+from kerfwise import RulesConflict
 from kerfwise.encoder.candidates import build_candidates
-from kerfwise.encoder.candidates.candidate import LeadOptions
-from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts import compute_facts
-from kerfwise.encoder.facts.facts import FactOptions, Facts
 from kerfwise.models.plan.conflict.groups import CanClash
 from kerfwise.models.problem.compile import make_problem
-from kerfwise.rules.case import nest, part, rect
-from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede
+from kerfwise.rule_kit import (
+    About,
+    AtLeast,
+    Before,
+    Contiguous,
+    FactOptions,
+    Facts,
+    Forbid,
+    Lag,
+    LeadOptions,
+    NoGood,
+    Pick,
+    Precede,
+    nest,
+    part,
+    rect,
+)
 from kerfwise.tests.models.brute import lawful
 
 RULES = ("level-ahead", "no-islands", "locks", "inner-before-outer")

@@ -7,24 +7,23 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.nest import Nest
+from kerfwise import InputError, Lock, Nest
 from kerfwise.jobs.request import facts_of
 from kerfwise.models.plan.explain import as_text, explain, explanation_as_json
-from kerfwise.models.plan.explain.alternatives import blocking_orders, nearest_orders
+from kerfwise.models.plan.explain.alternatives import PositionCosts, blocking_orders, nearest_orders
 from kerfwise.models.plan.explain.context import PlanContext, make_context
+from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.rules.case import circle, nest, part, rect
-from kerfwise.rules.lock import Lock
-from kerfwise.rules.profile.sections import RuleSetting
-from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Statement
+from kerfwise.rule_kit import About, AtLeast, Before, Facts, Forbid, RuleSetting, Statement, circle, nest, part, rect
 from kerfwise.rules.stating.state_rules import state_rules
+from kerfwise.tests.models.problems import ABOUT, problem
 from kerfwise.tests.models.solved import QUIET, plant, proven_plan
 from kerfwise.tests.tools.amount import examples
 
@@ -184,3 +183,16 @@ def _costs(setting: PlanContext, order: tuple[int, ...], contour: int | None = N
     for route in product(*layers):
         if not broken(setting.problem, route):
             yield route_cost(setting.problem, route)
+
+
+def test_an_order_without_a_lawful_way_has_no_cost_though_nothing_is_moved() -> None:
+    """The first contour is not to be cut before the second: no entry helps the plan's own order."""
+    asked = Condition(0, (1,), (1,), 1, ABOUT)
+    two = problem([[(10.0, 0.0), (20.0, 0.0)], [(30.0, 0.0)]], conditions=[asked])
+    setting: Any = SimpleNamespace(
+        problem=two, order=(0, 1), conditions={0: (asked,)}, stated=SimpleNamespace(statements=())
+    )
+    along = PositionCosts(setting)
+    assert along.moved((0, 1)) is None
+    assert along.pinned(0, 0) is None
+    assert along.moved((1, 0)) == 60_000

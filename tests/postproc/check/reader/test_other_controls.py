@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-import pytest
+import re
 
-from kerfwise.encoder.errors import InputError
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from kerfwise import InputError
+from kerfwise.postproc.check.reader import controls
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.check.reader.rs274 import read_nc
@@ -168,3 +173,21 @@ def test_a_program_for_one_control_is_no_program_for_another() -> None:
     text = "G21 G90 G17 G40 G91.1 G94 G64 P0.05\nG0 X5 Y5\nM4\nG1 X15 F600\nM3\nM2\n"
     with pytest.raises(InputError, match="M4 is not understood"):
         read_nc(text, control=CONTROLS["linuxcnc"])
+
+
+def read(text: str) -> tuple[controls.Row | None, tuple[str, int | None] | None]:
+    try:
+        return controls.row_of(text, 7), None
+    except InputError as error:
+        return None, (error.message, error.column)
+
+
+@given(st.text("gGxX10.-\t ()%;ä\x7f\x0b", max_size=12))
+@example("g1 x 10.5")
+@example(" \t")
+@example("")
+def test_both_ways_read_the_same(text: str) -> None:
+    at_once = read(text)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(controls, "_COMMENTED", re.compile(""))
+        assert read(text) == at_once
