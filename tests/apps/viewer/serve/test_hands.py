@@ -28,7 +28,7 @@ def test_a_row_is_dragged_and_the_nest_planned_again(look: Look, opened: Open, w
     assert at.order == FIRST
     said = at.drag_row("C.outer", "B.outer")
     assert "A rule gives way: level-ahead" in said
-    assert "C.outer cannot be cut as number 3: level-ahead: B.outer is cut before C.outer" in said
+    assert "C.outer as number 3, against level-ahead: B.outer is cut before C.outer" in said
     assert at.page.locator("#hands-verdict.warn").is_visible()
     assert at.page.locator(".drop-line").is_visible()
     assert tab.state()["locked"] == []
@@ -100,7 +100,7 @@ def test_a_part_is_dragged_onto_another_on_the_drawing(look: Look, planned: Tab,
     at = look(planned, wide)
     before = at.ask("[app.stages[0].camera.x, app.stages[0].camera.y]")
     said = at.drag_part("C.outer", "B.outer")
-    assert "C.outer cannot be cut as number 3: level-ahead" in said
+    assert "C.outer as number 3, against level-ahead" in said
     assert at.ask("[app.stages[0].camera.x, app.stages[0].camera.y]") == before  # the view stays
     at.let_go()
     at.planned(2)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 from collections.abc import Iterator
 from functools import cache
 from itertools import product
@@ -148,7 +149,7 @@ def scrolled_by_a_drag(at: AtPage) -> None:
     far_px = min(800, ROW_PX * len(at.order) - list_box["height"] - ROW_PX)
     at.until("document.getElementById('orders').scrollTop > given[0]", far_px)
     # What is said is of a place that was passed, until a question was answered before the list has gone on.
-    number = "Number(document.getElementById('hands-verdict').textContent.split('as number ')[1]?.split(':')[0])"
+    number = "Number(document.getElementById('hands-verdict').textContent.match(/as number ([0-9]+)/)?.[1])"
     at.until(f"{number} > given[0]", far_px / ROW_PX)
     at.page.keyboard.press("Escape")
     at.let_go()
@@ -167,9 +168,10 @@ def every_lock(at: AtPage, tab: Tab) -> None:
 
     part, over = two_parts(at)
     said = at.drag_part(part, over)
-    assert " be cut as number " in said or "cannot be cut as number " in said
+    place = re.search(r" as number (\d+)", said)
+    assert place is not None, said
     at.let_go()
-    to = int(said.split(" as number ")[1].split(":")[0])
+    to = int(place[1])
     names = [one for one in at.order if one.rpartition(".")[0] == part.rpartition(".")[0]]
     taken_back(at, tab, *(f"{name} position {k}" for k, name in enumerate(names, to)))
 
