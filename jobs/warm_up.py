@@ -17,6 +17,7 @@ from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.engines.tuning import SEARCHED
 from kerfwise.models.engines.tuning import WARM_UP_COLUMNS as COLUMNS
+from kerfwise.models.engines.tuning import WARM_UP_FEW as FEW
 from kerfwise.models.engines.tuning import WARM_UP_ROWS as ROWS
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
@@ -52,9 +53,8 @@ def warm_up() -> Warmed:
 
 
 def compile_search() -> None:
-    """What the process beside a first `solve` does."""
-    jit.take_plainly(0)
-    _search(_problem())
+    """What the process beside a first `solve` does: what else its small problem takes is not compiled for it."""
+    _search(_problem(FEW, FEW))
 
 
 def search_beside(contours: int) -> None:
@@ -79,15 +79,15 @@ def search_beside(contours: int) -> None:
     compiled_beside(kernel.py_func, lambda: process.poll() is None)
 
 
-def _problem() -> Problem:
+def _problem(columns: int = COLUMNS, rows: int = ROWS) -> Problem:
     """A plate of parts with holes, under the default profile."""
     profile = load_profile()
     parts = (
-        part(f"P{ROWS * x + y}", rect(130 * x + 10, 100 * y + 10, 110, 80), [rect(130 * x + 40, 100 * y + 35, 25, 25)])
-        for x in range(COLUMNS)
-        for y in range(ROWS)
+        part(f"P{rows * x + y}", rect(130 * x + 10, 100 * y + 10, 110, 80), [rect(130 * x + 40, 100 * y + 35, 25, 25)])
+        for x in range(columns)
+        for y in range(rows)
     )
-    plate = nest(130.0 * COLUMNS + 20, 100.0 * ROWS + 20, *parts)
+    plate = nest(130.0 * columns + 20, 100.0 * rows + 20, *parts)
     facts = facts_of(plate, profile)
     stated = make_request(facts, profile).stated
     return make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds_of(profile))

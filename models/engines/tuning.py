@@ -474,4 +474,5 @@ REQUEST_LONGER, REQUEST_ENOUGH_WORK = 8, 2.0
 # jobs/warm_up.py
 
 WARM_UP_COLUMNS, WARM_UP_ROWS = 7, 5  # Parts of the plate that is planned.
+WARM_UP_FEW = 3  # Columns and rows that are enough where it is only searched.
 SEARCHED = 100  # Contours from which on a nest is searched for sure: smaller ones are often proven by a sweep in numpy.

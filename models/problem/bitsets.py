@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kerfwise.arrays import Bools
-from kerfwise.models.jit import inner
+from kerfwise.models.jit import KERNEL, inner
 
 Masks = NDArray[np.uint64]
 
@@ -42,7 +42,7 @@ def masks_of(sets: Sequence[Sequence[int]], n: int) -> Masks:
     return masks
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def bit_number(bit: np.uint64) -> int:  # pragma: no cover - compiled
     """The number of the only bit that is set."""
     number = 0
@@ -61,7 +61,7 @@ def bit_number(bit: np.uint64) -> int:  # pragma: no cover - compiled
     return number
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def missing(wanted: Masks, mask: Masks) -> bool:  # pragma: no cover - compiled
     """Whether some of the wanted contours are not in the set."""
     for w in range(len(wanted)):  # noqa: SIM110 - numba has no generators here
@@ -70,7 +70,7 @@ def missing(wanted: Masks, mask: Masks) -> bool:  # pragma: no cover - compiled
     return False
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def has(mask: Masks, k: int) -> bool:  # pragma: no cover - compiled
     """Whether contour k is in the set."""
     return bool(mask[k >> 6] >> (np.uint64(k) & LOW) & ONE)

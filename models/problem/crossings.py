@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import shapely
@@ -13,7 +13,7 @@ import shapely
 from kerfwise.arrays import Bools, Floats, Int32s, Ints
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.tolerances import GRAZE_UM, UM_PER_MM
-from kerfwise.models.jit import cores, inner, jit, suited
+from kerfwise.models.jit import KERNEL, cores, inner, jit, suited
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import Crossing
 
@@ -192,7 +192,7 @@ def _areas_um(statements: Sequence[Crossing]) -> list[shapely.Geometry]:
 THREADS = cores()
 STEPS_A_MOVE = 8
 """Turns of inner loops that it takes to tell whether a move crosses an area."""
-SLOTS_AT_FIRST = 1 << 10
+ROWS_AT_FIRST = 1 << 10
 GROUPS_AT_ONCE = 8
 
 Going = Callable[[float], bool]
@@ -236,13 +236,14 @@ def crossed_areas(
     edges = _edges_of(areas)
 
     done = np.cumsum([0, *(len(moves.leave) * len(moves.reach) * len(moves.areas) for moves in groups)])
-    cross = suited(_crossed, STEPS_A_MOVE * float(done[-1]), crossed_by_arrays)
+    step: Callable[..., Any] = suited(cast(Any, _crossed), STEPS_A_MOVE * float(done[-1]), crossed_by_arrays)
 
     def look(moves: IdleMoves) -> tuple[Ints, Ints, Ints]:
         ends = np.concatenate([moves.leave, moves.reach])
         around = tree.query(shapely.box(*ends.min(axis=0), *ends.max(axis=0)))
         near = np.intersect1d(around, moves.areas).astype(np.int64)
-        rows = cross(moves.leave, moves.reach, moves.owner, edges, near, late)
+        given = moves.leave, moves.reach, moves.owner, edges, near, late
+        rows = step(*given) if step is crossed_by_arrays else _every_row(step, given, len(near))
         return rows[0], rows[1], rows[2]
 
     found: list[tuple[Ints, Ints, Ints]] = []
@@ -267,44 +268,49 @@ def _edges_of(areas: Sequence[shapely.Geometry]) -> Areas:
     )
 
 
-@jit(nogil=True)
+def _every_row(step: Callable[..., bool], given: tuple[Any, ...], most: int) -> Ints:
+    """What `_crossed` finds, with room for it made as it is needed: a move crosses `most` areas."""
+    rows, far = np.empty((3, max(ROWS_AT_FIRST, most)), np.int64), np.zeros(3, np.int64)
+    while not step(*given, rows, far):
+        rows = np.hstack([rows, np.empty_like(rows)])
+    return rows[:, : far[2]].copy()
+
+
+@jit(**KERNEL)
 def _crossed(  # pragma: no cover - compiled
-    leave: Floats, reach: Floats, owner: Ints, areas: Areas, near: Ints, late: Bools
-) -> Ints:
-    """Rows of leave, reach and area of all moves that cross one of the areas `near`, (3, rows)."""
-    rows = np.empty((3, SLOTS_AT_FIRST), np.int64)
-    count = 0
-    boxes = np.empty((len(near), 4))
-    for k in range(len(near)):
-        for side in range(4):
-            boxes[k, side] = areas.boxes[near[k], side]
-    for i in range(len(leave)):
+    leave: Floats, reach: Floats, owner: Ints, areas: Areas, near: Ints, late: Bools, rows: Ints, far: Ints
+) -> bool:
+    """Write leave, reach and area of all moves that cross one of the areas `near` to `rows`, (3, rows).
+
+    Begins with the move from `far[0]` to `far[1]`, where `far[2]` rows are written. Whether there was room for all.
+    """
+    begin, first, count = far[0], far[1], far[2]
+    for i in range(begin, len(leave)):
         px, py = leave[i, 0], leave[i, 1]
-        for j in range(len(reach)):
+        for j in range(first, len(reach)):
+            if count + len(near) > rows.shape[1]:
+                far[0], far[1], far[2] = i, j, count
+                return False
             x0, x1, y0, y1 = min(px, reach[j, 0]), max(px, reach[j, 0]), min(py, reach[j, 1]), max(py, reach[j, 1])
-            for k in range(len(near)):
-                if x0 > boxes[k, 2] or x1 < boxes[k, 0] or y0 > boxes[k, 3] or y1 < boxes[k, 1]:
+            for a in near:
+                if x0 > areas.boxes[a, 2] or x1 < areas.boxes[a, 0] or y0 > areas.boxes[a, 3] or y1 < areas.boxes[a, 1]:
                     continue  # most are told by that
-                a = near[k]
                 if not late[owner[j], a] and _crosses(leave[i], reach[j], areas, a):
-                    if count == rows.shape[1]:
-                        wider = np.empty((3, 2 * count), np.int64)
-                        for r in range(count):  # numba takes seconds to compile what copies a block
-                            wider[0, r], wider[1, r], wider[2, r] = rows[0, r], rows[1, r], rows[2, r]
-                        rows = wider
                     rows[0, count], rows[1, count], rows[2, count] = i, j, a
                     count += 1
-    return rows[:, :count].copy()
+        first = 0
+    far[2] = count
+    return True
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def _crosses(p: Floats, q: Floats, areas: Areas, a: int) -> bool:  # pragma: no cover - compiled
     """Whether the move from p to q meets area a.
 
     It does if an edge cuts it, or if both ends are inside: if edges cut the line beyond q an odd number of times.
     """
     px, py, qx, qy = p[0], p[1], q[0], q[1]
-    left, low, right, high = areas.boxes[a]
+    left, low, right, high = areas.boxes[a, 0], areas.boxes[a, 1], areas.boxes[a, 2], areas.boxes[a, 3]
     if not (min(px, qx) <= right and max(px, qx) >= left and min(py, qy) <= high and max(py, qy) >= low):
         return False
     dx, dy, end = qx - px, qy - py, 1.0
@@ -315,7 +321,7 @@ def _crosses(p: Floats, q: Floats, areas: Areas, a: int) -> bool:  # pragma: no 
         return False  # the box lies on one side of the line
     inside = False
     for e in range(areas.edge_from[a], areas.edge_from[a + 1]):
-        ux, uy, vx, vy = areas.edges[e]
+        ux, uy, vx, vy = areas.edges[e, 0], areas.edges[e, 1], areas.edges[e, 2], areas.edges[e, 3]
         u = dx * (uy - py) - dy * (ux - px)
         v = dx * (vy - py) - dy * (vx - px)
         if (u > 0) != (v > 0):

@@ -131,7 +131,11 @@ def _immediate(before: Bools, sooner: Masks) -> Ints:
     rank = np.bitwise_count(sooner).sum(axis=1, dtype=np.int64)
     latest_first = np.argsort(-rank, kind="stable")
     ranked = columns_packed(before, latest_first)
-    return suited(_immediate_pairs, STEPS_A_CONTOUR * ranked.size)(ranked, latest_first)
+    step, n = suited(_immediate_pairs, STEPS_A_CONTOUR * ranked.size), len(latest_first)
+    left, pairs, far = np.empty(ranked.shape[1], np.uint64), np.empty((2, 5 * n), np.int64), np.zeros(2, np.int64)
+    while step(ranked, latest_first, left, pairs, far) < n:
+        pairs = np.hstack([pairs, np.empty_like(pairs)])
+    return pairs[:, : far[1]].copy()
 
 
 def unpacked(sets: Masks, n: int) -> Bools:
@@ -174,33 +178,32 @@ def columns_packed(relation: Bools, rows: Ints | None = None) -> Masks:
     return padded.view("<u8").astype(np.uint64, copy=False)
 
 
-@jit(nogil=True)
-def _immediate_pairs(ranked: Masks, latest_first: Ints) -> Ints:  # pragma: no cover - compiled
+@jit(**KERNEL)
+def _immediate_pairs(  # pragma: no cover - compiled
+    ranked: Masks, latest_first: Ints, left: Masks, pairs: Ints, far: Ints
+) -> int:
     """Of what comes before every contour, all that is not before another of them; those of the highest rank first.
 
-    Bit k of each row of `ranked` stands for contour `latest_first[k]`.
+    Bit k of each row of `ranked` stands for contour `latest_first[k]`. Begins with contour `far[0]`, where `far[1]`
+    pairs are known; how far it came before there was no room for more. `left` is room for a row.
     """
-    n = len(latest_first)
-    left = np.empty(ranked.shape[1], np.uint64)
-    pairs = np.empty((2, 4 * n + 1), np.int64)
-    count = 0
-    for j in range(n):
+    n, count = len(latest_first), far[1]
+    for j in range(far[0], n):
+        far[0], far[1] = j, count
+        if count + n > pairs.shape[1]:
+            return int(j)
         for w in range(len(left)):
             left[w] = ranked[j, w]
         for word in range(len(left)):
             while left[word]:
                 i = latest_first[(word << 6) + bit_number(left[word] & ~(left[word] - ONE))]
-                if count == pairs.shape[1]:
-                    wider = np.empty((2, 2 * count), np.int64)
-                    for k in range(count):  # numba takes seconds to compile what copies a block
-                        wider[0, k], wider[1, k] = pairs[0, k], pairs[1, k]
-                    pairs = wider
                 pairs[0, count], pairs[1, count] = i, j
                 count += 1
                 left[word] &= left[word] - ONE
                 for w in range(word, len(left)):  # what comes before i has a lower rank
                     left[w] &= ~ranked[i, w]
-    return pairs[:, :count].copy()
+    far[1] = count
+    return n
 
 
 # Which contour may directly follow which, kept as bits: of 10,000 contours 12.5 MB.

@@ -96,34 +96,45 @@ class LayerTo(NamedTuple):
     living: Bools
 
 
-@jit(nogil=True)
-def arrange(  # pragma: no cover - compiled
-    contour: Int16s, target: Int32s, entry_from: Ints, alive: Ints, sets: int, size: Ints
-) -> tuple[Ints, Int16s, Int32s, Ints, Ints]:
-    """Sort entries by the set that they lead to.
+class Arranged(NamedTuple):
+    """Entries sorted by the set that they lead to.
 
-    Returns where the entries of every set begin, contour and source (a row of the layer before) of the entries, and
-    for every entry as it was given its place and where its states begin.
+    Where the entries of every set begin, contour and source (a row of the layer before) of the entries, and for every
+    entry as it was given its place and where its states begin.
     """
-    ideal_entry = np.zeros(sets + 1, np.int64)
-    for e in range(entry_from[-1]):
-        ideal_entry[target[e] + 1] += 1
-    for t in range(sets):
-        ideal_entry[t + 1] += ideal_entry[t]
-    free = ideal_entry[:-1].copy()
-    place = np.empty(entry_from[-1], np.int64)
-    sorted_contour = np.empty(entry_from[-1], np.int16)
-    source = np.empty(entry_from[-1], np.int32)
-    for a in range(len(alive)):
-        for e in range(entry_from[a], entry_from[a + 1]):
-            p = free[target[e]]
-            free[target[e]] += 1
-            place[e], sorted_contour[p], source[p] = p, contour[e], alive[a]
-    begin = np.empty(len(place) + 1, np.int64)
-    begin[0] = 0
-    for p in range(len(place)):
-        begin[p + 1] = begin[p] + size[sorted_contour[p]]
-    return ideal_entry, sorted_contour, source, place, begin
+
+    ideal_entry: Ints
+    contour: Int16s
+    source: Int32s
+    place: Ints
+    begin: Ints
+
+
+def room_to_arrange(entries: int, sets: int) -> Arranged:
+    """What `arrange` writes to."""
+    contour, source = np.empty(entries, np.int16), np.empty(entries, np.int32)
+    return Arranged(
+        np.zeros(sets + 1, np.int64), contour, source, np.empty(entries, np.int64), np.zeros(entries + 1, np.int64)
+    )
+
+
+@jit(**KERNEL)
+def arrange(  # pragma: no cover - compiled
+    contour: Int16s, target: Int32s, entry_from: Ints, alive: Ints, size: Ints, made: Arranged
+) -> None:
+    """Sort entries by the set that they lead to."""
+    first, begin = made.ideal_entry, made.begin
+    for e in range(len(made.place)):
+        first[target[e]] += 1
+    for t in range(1, len(first)):
+        first[t] += first[t - 1]
+    for a in range(len(alive) - 1, -1, -1):  # from behind, so that each set's entries keep their order
+        for e in range(entry_from[a + 1] - 1, entry_from[a] - 1, -1):
+            first[target[e]] -= 1
+            p = first[target[e]]
+            made.place[e], made.contour[p], made.source[p] = p, contour[e], alive[a]
+    for p in range(len(made.place)):
+        begin[p + 1] = begin[p] + size[made.contour[p]]
 
 
 class Room(NamedTuple):

@@ -38,7 +38,20 @@ from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.bitsets import masks_of
 from kerfwise.models.problem.problem import Problem
 
-from .kernels import Costs, LayerFrom, LayerTo, MoveTable, Room, Steps, arrange, leaving, promises, room_for, sweep
+from .kernels import (
+    Costs,
+    LayerFrom,
+    LayerTo,
+    MoveTable,
+    Room,
+    Steps,
+    arrange,
+    leaving,
+    promises,
+    room_for,
+    room_to_arrange,
+    sweep,
+)
 from .sets import Growth, Sets, additions_of, grow, growth
 from .stretch import ConditionsByContour, CrossingAlternatives, Local, RestBound, crossing_extra_cost, localise, series
 
@@ -126,9 +139,9 @@ def sweep_layers(
         ahead = growth(orders, sets, alive)
         expect(deadline, ahead, len(sets), sets.masks.shape[1], wide, free, times)
         grown, contour, target, entry_from = grow(orders, sets, alive, ahead.entries)
-        ideal_entry, last, source, place, new_begin = suited(arrange, 3 * ahead.entries)(
-            contour, target, entry_from, alive, len(grown), orders.size
-        )
+        sorted_ = room_to_arrange(ahead.entries, len(grown))
+        suited(arrange, 3 * ahead.entries)(contour, target, entry_from, alive, orders.size, sorted_)
+        ideal_entry, last, source, place, new_begin = sorted_
         values = np.empty(ahead.states, dtype=entrance.dtype)
         living = np.empty(ahead.entries, dtype=np.bool_)
         back = layers[-1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from kerfwise.models.engines.tuning import (
     STEPS_A_WORD,
 )
 from kerfwise.models.engines.tuning import SETS_ADDITIONS_PER_S as ADDITIONS_PER_S
-from kerfwise.models.jit import inner, jit, suited
+from kerfwise.models.jit import KERNEL, inner, jit, suited
 from kerfwise.models.problem.bitsets import LOW, ONE, Masks, bit_number, missing, words
 from kerfwise.models.problem.problem import Problem
 
@@ -53,6 +54,25 @@ class Sets:
             ready[0, i // 64] |= np.uint64(1 << int(i) % 64)
         return Sets(np.zeros_like(ready), ready, np.full(1, -1, np.int32), np.array([ways]), np.zeros(1, np.uint64))
 
+    def first(self, count: int) -> Sets:
+        """The first of them."""
+        masks, ready, hashes = self.masks[:count], self.ready[:count], self.hashes[:count]
+        return Sets(masks, ready, self.pending[:count], self.width[:count], hashes)
+
+
+class Layer(NamedTuple):
+    """Sets as kernels take them."""
+
+    masks: Masks
+    ready: Masks
+    pending: Int32s
+    hashes: Masks
+
+    @staticmethod
+    def of(sets: Sets) -> Layer:
+        """Of sets, whose arrays are not copied."""
+        return Layer(sets.masks, sets.ready, sets.pending, sets.hashes)
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Growth:
@@ -76,14 +96,24 @@ def grow(orders: OrderSets, sets: Sets, alive: Ints, entries: int) -> tuple[Sets
     Returns them, and of every entry the contour cut and the set it leads to; entries of `alive[a]` are `entry_from[a]`
     … `entry_from[a + 1] - 1`.
     """
-    make = suited(_grow, entries * STEPS_A_SET)
-    masks, ready, pending, width, hashes, contour, target, entry_from = make(
-        orders, sets.masks, sets.ready, sets.pending, sets.hashes, alive, entries
+    step, words = suited(_grow, entries * STEPS_A_SET), sets.masks.shape[1]
+    made = Sets(
+        masks=np.empty((entries, words), np.uint64),
+        ready=np.empty((entries, words), np.uint64),
+        pending=np.empty(entries, np.int32),
+        width=np.empty(entries, np.int64),
+        hashes=np.empty(entries, np.uint64),
     )
-    return Sets(masks, ready, pending, width, hashes), contour, target, entry_from
+    contour, target = np.empty(entries, np.int16), np.empty(entries, np.int32)
+    entry_from, far = np.zeros(len(alive) + 1, np.int64), np.zeros(2, np.int64)
+    came, goes = Layer.of(sets), Layer.of(made)
+    slots = np.zeros(SLOTS_AT_FIRST, np.int32)
+    while step(orders, came, alive, goes, made.width, contour, target, entry_from, slots, far) < len(alive):
+        slots = np.zeros(4 * len(slots), np.int32)
+    return made.first(int(far[1])), contour, target, entry_from
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def ready_word(orders: OrderSets, ready: Masks, pending: Int32s, k: int, w: int) -> np.uint64:  # pragma: no cover
     """Word w of what may be cut next, once set k is out."""
     bits = ready[k, w]
@@ -92,7 +122,7 @@ def ready_word(orders: OrderSets, ready: Masks, pending: Int32s, k: int, w: int)
     return np.uint64(bits)
 
 
-@jit(nogil=True)
+@jit(**KERNEL)
 def _count(  # pragma: no cover - compiled
     orders: OrderSets, ready: Masks, pending: Int32s, width: Ints, alive: Ints
 ) -> tuple[int, int, int]:
@@ -111,7 +141,7 @@ def _count(  # pragma: no cover - compiled
     return entries, states, additions
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def find_slot(  # pragma: no cover - compiled
     slots: Int32s, key: np.uint64, masks: Masks, hashes: Masks, source: Masks, word: int, bit: np.uint64
 ) -> int:
@@ -135,7 +165,7 @@ def find_slot(  # pragma: no cover - compiled
     return int(slot)
 
 
-@inner(nogil=True)
+@inner(**KERNEL)
 def extend_set(  # pragma: no cover - compiled
     orders: OrderSets, mask: Masks, ready: Masks, i: int, new_mask: Masks, new_ready: Masks
 ) -> int:
@@ -153,60 +183,55 @@ def extend_set(  # pragma: no cover - compiled
     return block if block >= 0 and missing(orders.block_mask[block], new_mask) else -1
 
 
-@jit(nogil=True)
+@jit(**KERNEL)
 def _grow(  # pragma: no cover - compiled
-    orders: OrderSets, masks: Masks, ready: Masks, pending: Int32s, hashes: Masks, alive: Ints, entries: int
-) -> tuple[Masks, Masks, Int32s, Ints, Masks, Int16s, Int32s, Ints]:
-    words = masks.shape[1]
-    new_masks, new_ready = np.empty((entries, words), np.uint64), np.empty((entries, words), np.uint64)
-    new_hashes, new_pending = np.empty(entries, np.uint64), np.empty(entries, np.int32)
-    width = np.empty(entries, np.int64)
-    contour, target = np.empty(entries, np.int16), np.empty(entries, np.int32)
-    entry_from = np.zeros(len(alive) + 1, np.int64)
-    slots = np.zeros(SLOTS_AT_FIRST, np.int32)
-    count = used = 0
-    for a in range(len(alive)):
+    orders: OrderSets,
+    came: Layer,
+    alive: Ints,
+    goes: Layer,
+    width: Ints,
+    contour: Int16s,
+    target: Int32s,
+    entry_from: Ints,
+    slots: Int32s,
+    far: Ints,
+) -> int:
+    """Grow from `alive[far[0]]` on, where `far[1]` sets are made; how far it came before slots, empty now, were few."""
+    begin, count, span = far[0], far[1], np.uint64(len(slots) - 1)
+    for known in range(count):
+        free = goes.hashes[known] & span
+        while slots[free] > 0:
+            free = (free + ONE) & span
+        slots[free] = known + 1
+    used, new_masks, new_ready = entry_from[begin], goes.masks, goes.ready
+    for a in range(begin, len(alive)):
+        far[0], far[1] = a, count
+        if 2 * (count + len(orders.size)) > len(slots):
+            return int(a)
         k = alive[a]
-        for w in range(words):
-            bits = ready_word(orders, ready, pending, k, w)
+        for w in range(new_masks.shape[1]):
+            bits = ready_word(orders, came.ready, came.pending, k, w)
             while bits:
                 bit = bits & (~bits + ONE)
                 bits ^= bit
                 i = w * 64 + bit_number(bit)
-                key = hashes[k] ^ orders.noise[i]
-                slot = find_slot(slots, key, new_masks, new_hashes, masks[k], w, bit)
-                if slots[slot] == 0:
-                    slots[slot] = count + 1
-                    new_hashes[count] = key
-                    new_pending[count] = extend_set(orders, masks[k], ready[k], i, new_masks[count], new_ready[count])
-                    width[count] = 0
+                key = came.hashes[k] ^ orders.noise[i]
+                slot = find_slot(slots, key, new_masks, goes.hashes, came.masks[k], w, bit)
+                known = slots[slot] - 1
+                if known < 0:
+                    known = count
+                    goes.hashes[known], width[known] = key, 0
+                    goes.pending[known] = extend_set(
+                        orders, came.masks[k], came.ready[k], i, new_masks[known], new_ready[known]
+                    )
                     count += 1
-                    known = count - 1
-                    if 2 * count > len(slots):
-                        slots = _wider(slots, new_hashes, count)
-                else:
-                    known = slots[slot] - 1
+                    slots[slot] = count
                 width[known] += orders.size[i]
                 contour[used], target[used] = i, known
                 used += 1
         entry_from[a + 1] = used
-    return (
-        new_masks[:count], new_ready[:count], new_pending[:count], width[:count], new_hashes[:count],
-        contour, target, entry_from,
-    )  # fmt: skip
-
-
-@jit(nogil=True)
-def _wider(slots: Int32s, hashes: Masks, count: int) -> Int32s:  # pragma: no cover - compiled
-    """Four times as many slots."""
-    wider = np.zeros(4 * len(slots), np.int32)
-    span = np.uint64(len(wider) - 1)
-    for known in range(count):
-        slot = hashes[known] & span
-        while wider[slot] > 0:
-            slot = (slot + ONE) & span
-        wider[slot] = known + 1
-    return wider
+    far[1] = count
+    return len(alive)
 
 
 # Counts the sets of a problem before anything is made of them: what a sweep without any bound would take.

@@ -109,3 +109,10 @@ def test_columns_are_packed_in_any_order_of_the_rows(count: int) -> None:
     assert (unpacked(columns_packed(relation), count) == relation.T).all()
     assert (unpacked(columns_packed(relation, order), count) == relation[order].T).all()
     assert (unpacked(columns_packed(relation.T), 130) == relation).all()
+
+
+def test_orders_of_more_pairs_than_there_was_room_for_at_first() -> None:
+    half = 40
+    before = np.zeros((2 * half, 2 * half), dtype=np.bool_)
+    before[:half, half:] = True  # each of one half before each of the other
+    assert (immediate(before) == before).all()

@@ -233,3 +233,11 @@ def test_by_arrays_the_same_is_crossed_in_the_same_order(
     for one, other in zip(compiled, by_arrays, strict=True):
         assert one.dtype == other.dtype
         np.testing.assert_array_equal(one, other)
+
+
+def test_rows_are_the_same_however_little_room_there_is_at_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    leave, reach = np.random.default_rng(3).uniform(0, 30, (2, 12, 2))
+    known = crossed(leave.tolist(), reach.tolist(), [RING, TWO])
+    monkeypatch.setattr("kerfwise.models.problem.crossings.ROWS_AT_FIRST", 1)
+    assert len(known) > 16
+    assert crossed(leave.tolist(), reach.tolist(), [RING, TWO]) == known

@@ -31,6 +31,14 @@ def test_two_chains_of_more_contours_than_a_word_has_bits() -> None:
     assert (count.stretches, count.longest) == (1, 70)
 
 
+@pytest.mark.parametrize("slots", [1, 64])
+def test_a_table_that_gets_too_small_is_made_anew(slots: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    wide = scattered(2, contours=12, sites=2, pairs=4, blocks=[(0, 1, 2)])
+    known = count_sets(wide, math.inf)
+    monkeypatch.setattr("kerfwise.models.engines.ideals.sets.SLOTS_AT_FIRST", slots)
+    assert count_sets(wide, math.inf) == known
+
+
 def test_contours_kept_together_are_counted_as_they_can_be_cut() -> None:
     apart = scattered(1, contours=4, sites=1)
     together = scattered(1, contours=4, sites=1, blocks=[(0, 1), (2, 3)])
