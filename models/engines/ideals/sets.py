@@ -61,17 +61,23 @@ class Sets:
 
 
 class Layer(NamedTuple):
-    """Sets as kernels take them."""
+    """Sets as kernels take them; of those that are made, the entries that lead to them as well (see `grow`)."""
 
     masks: Masks
     ready: Masks
     pending: Int32s
+    width: Ints
     hashes: Masks
+    contour: Int16s
+    target: Int32s
+    entry_from: Ints
 
     @staticmethod
-    def of(sets: Sets) -> Layer:
-        """Of sets, whose arrays are not copied."""
-        return Layer(sets.masks, sets.ready, sets.pending, sets.hashes)
+    def of(sets: Sets, entries: int = 0, sources: int = 0) -> Layer:
+        """Of sets, whose arrays are not copied, with room for entries from some sources."""
+        contour, target = np.empty(entries, np.int16), np.empty(entries, np.int32)
+        rows = sets.masks, sets.ready, sets.pending, sets.width, sets.hashes
+        return Layer(*rows, contour, target, np.zeros(sources + 1, np.int64))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -104,13 +110,11 @@ def grow(orders: OrderSets, sets: Sets, alive: Ints, entries: int) -> tuple[Sets
         width=np.empty(entries, np.int64),
         hashes=np.empty(entries, np.uint64),
     )
-    contour, target = np.empty(entries, np.int16), np.empty(entries, np.int32)
-    entry_from, far = np.zeros(len(alive) + 1, np.int64), np.zeros(2, np.int64)
-    came, goes = Layer.of(sets), Layer.of(made)
-    slots = np.zeros(SLOTS_AT_FIRST, np.int32)
-    while step(orders, came, alive, goes, made.width, contour, target, entry_from, slots, far) < len(alive):
+    came, goes = Layer.of(sets), Layer.of(made, entries, len(alive))
+    slots, far = np.zeros(SLOTS_AT_FIRST, np.int32), np.zeros(2, np.int64)
+    while step(orders, came, alive, goes, slots, far) < len(alive):
         slots = np.zeros(4 * len(slots), np.int32)
-    return made.first(int(far[1])), contour, target, entry_from
+    return made.first(int(far[1])), goes.contour, goes.target, goes.entry_from
 
 
 @inner(**KERNEL)
@@ -185,16 +189,7 @@ def extend_set(  # pragma: no cover - compiled
 
 @jit(**KERNEL)
 def _grow(  # pragma: no cover - compiled
-    orders: OrderSets,
-    came: Layer,
-    alive: Ints,
-    goes: Layer,
-    width: Ints,
-    contour: Int16s,
-    target: Int32s,
-    entry_from: Ints,
-    slots: Int32s,
-    far: Ints,
+    orders: OrderSets, came: Layer, alive: Ints, goes: Layer, slots: Int32s, far: Ints
 ) -> int:
     """Grow from `alive[far[0]]` on, where `far[1]` sets are made; how far it came before slots, empty now, were few."""
     begin, count, span = far[0], far[1], np.uint64(len(slots) - 1)
@@ -203,7 +198,7 @@ def _grow(  # pragma: no cover - compiled
         while slots[free] > 0:
             free = (free + ONE) & span
         slots[free] = known + 1
-    used, new_masks, new_ready = entry_from[begin], goes.masks, goes.ready
+    used, new_masks, new_ready = goes.entry_from[begin], goes.masks, goes.ready
     for a in range(begin, len(alive)):
         far[0], far[1] = a, count
         if 2 * (count + len(orders.size)) > len(slots):
@@ -220,16 +215,16 @@ def _grow(  # pragma: no cover - compiled
                 known = slots[slot] - 1
                 if known < 0:
                     known = count
-                    goes.hashes[known], width[known] = key, 0
+                    goes.hashes[known], goes.width[known] = key, 0
                     goes.pending[known] = extend_set(
                         orders, came.masks[k], came.ready[k], i, new_masks[known], new_ready[known]
                     )
                     count += 1
                     slots[slot] = count
-                width[known] += orders.size[i]
-                contour[used], target[used] = i, known
+                goes.width[known] += orders.size[i]
+                goes.contour[used], goes.target[used] = i, known
                 used += 1
-        entry_from[a + 1] = used
+        goes.entry_from[a + 1] = used
     far[1] = count
     return len(alive)
 
