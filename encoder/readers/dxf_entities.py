@@ -49,6 +49,9 @@ EXTERNAL = 4
 """The bit in a block's flags that says that its lines are in another file."""
 ROUND = 1e-6
 """An ellipse whose axes differ by less than this share is a circle."""
+SCALES = ("xscale", "yscale", "zscale")
+NOTHING = 1e-9
+"""A scale under this is 0: of a block of a kilometre it leaves a micrometre."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,10 +117,13 @@ def entities(
 
 
 def _skews(insert: Insert) -> bool:
-    """Whether a block in it is turned and then scaled unequally, of which ezdxf makes an insertion that is wrong."""
+    """Whether a block in it is turned and then scaled unequally, of which ezdxf makes an insertion that is wrong, or
+    scaled by 0, of which it makes one at scale 1."""
     wide, high = abs(insert.dxf.xscale), abs(insert.dxf.yscale)
-    inner = () if abs(wide - high) <= ROUND * wide else insert.block() or ()
-    return any(isinstance(one, Insert) and abs((one.dxf.rotation + 45) % 90 - 45) > ROUND for one in inner)
+    equal = abs(wide - high) <= ROUND * wide
+    inner = [one for one in insert.block() or () if isinstance(one, Insert)]
+    turned = not equal and any(abs((one.dxf.rotation + 45) % 90 - 45) > ROUND for one in inner)
+    return turned or any(abs(one.dxf.get(axis, 1.0)) < NOTHING for one in inner for axis in SCALES)
 
 
 def _skewed(insert: Insert, hidden: Hidden, unread: Unread, placed: Placed) -> Iterator[Placed]:
@@ -184,13 +190,13 @@ def _inserted(insert: Insert, layer: str, unread: Unread) -> Iterable[Insert]:
     if block.block.dxf.get("flags", 0) & EXTERNAL:
         unread.types["INSERT of another file (XREF)", layer] += insert.mcount
         return ()
-    if not insert.dxf.xscale or not insert.dxf.yscale:
+    if min(abs(insert.dxf.xscale), abs(insert.dxf.yscale)) < NOTHING:
         unread.types["INSERT of a block at scale 0", layer] += insert.mcount
         return ()
     for entity in block:
         if isinstance(entity, DXFTagStorage):  # the library copies all but these, and says nothing of them
             unread.types[entity.dxftype(), layer] += insert.mcount
-    if not insert.dxf.zscale:
+    if abs(insert.dxf.zscale) < NOTHING:
         unread.flattened += insert.mcount
         insert.dxf.zscale = 1.0
     return insert.multi_insert() if insert.mcount > 1 else (insert,)

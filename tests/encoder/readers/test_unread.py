@@ -50,24 +50,33 @@ def disc(space: Any, **insert: Any) -> None:
     space.add_blockref("disc", (150, 150), dxfattribs=insert)
 
 
-def with_scales(folder: Path, x: str, y: str, z: str) -> Path:
+def in_a_block(space: Any, **insert: Any) -> None:
+    """As `disc`, its insertion in another block."""
+    disc(space.doc.blocks.new("outer"), **insert)
+    space.add_blockref("outer", (0, 0))
+
+
+def with_scales(folder: Path, x: str, y: str, z: str, draw: Any = disc) -> Path:
     """A file with scales that the library would not write."""
-    path = save_dxf(folder, lambda space: disc(space, xscale=3, yscale=3, zscale=3, rotation=30))
+    path = save_dxf(folder, lambda space: draw(space, xscale=3, yscale=3, zscale=3, rotation=30))
     text = path.read_text()
     assert " 41\n3.0\n 42\n3.0\n 43\n3.0\n" in text
     path.write_text(text.replace(" 41\n3.0\n 42\n3.0\n 43\n3.0\n", f" 41\n{x}\n 42\n{y}\n 43\n{z}\n"))
     return path
 
 
+@pytest.mark.parametrize("draw", [disc, in_a_block])
 @pytest.mark.parametrize(("x", "y", "area"), [("3.0", "3.0", 706.858), ("2.0", "1.0", 157.08)])
-def test_a_block_whose_height_is_scaled_by_0_is_flat(tmp_path: Path, x: str, y: str, area: float) -> None:
-    nest = read_nest(with_scales(tmp_path, x, y, "0.0"))
+def test_a_block_whose_height_is_scaled_by_0_is_flat(tmp_path: Path, x: str, y: str, area: float, draw: Any) -> None:
+    nest = read_nest(with_scales(tmp_path, x, y, "0.0", draw))
     assert areas(nest)["P2.outer"] == pytest.approx(area, rel=1e-3)
     assert texts(nest.notes) == ["1 block is inserted with a height scale of 0: read as flat"]
 
 
-def test_a_block_scaled_to_nothing_is_left_out(tmp_path: Path) -> None:
-    nest = read_nest(with_scales(tmp_path, "0.0", "3.0", "3.0"))
+@pytest.mark.parametrize("draw", [disc, in_a_block])
+@pytest.mark.parametrize("x", ["0.0", "1e-12"])
+def test_a_block_scaled_to_nothing_is_left_out(tmp_path: Path, x: str, draw: Any) -> None:
+    nest = read_nest(with_scales(tmp_path, x, "3.0", "3.0", draw))
     assert areas(nest) == {"P1.outer": 2500}
     assert "1 INSERT of a block at scale 0" in texts(nest.notes)[0]
 
