@@ -10,7 +10,7 @@ from typing import Any
 
 from kerfwise.apps.authoring.new_profile import expect_usable
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_there, read_limited
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_there, read_named
 from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import plant_of
 from kerfwise.postproc.report.rule_pictures import case_picture, rule_panels
@@ -50,7 +50,7 @@ def profile_told(wanted: PlanRequest) -> dict[str, Any]:
         "name": escape_text(plant.name),
         "path": str(_path(plant)),
         "shipped": _shipped(plant),
-        "sha256": _sha256(_path(plant).read_bytes()),
+        "sha256": _sha256(_bytes_of(_path(plant))),
         "for_this_nest": {} if job is None else {one.key: one.text for one in job.settings},
         "rules": [
             *(_rule(plant, known[name], plant.rules[name]) for name in sorted(plant.rules)),
@@ -81,7 +81,7 @@ def profile_text(wanted: PlanRequest, values: Sequence[RuleValue], new: str | No
     """
     plant = _plant(wanted)
     path = _path(plant)
-    before = read_limited(path, MOST_BYTES_OF_YAML)
+    before = _bytes_of(path)
     text = before.decode("utf-8")  # it was read as a profile
     if new is not None:
         path = _new_path(wanted, new)
@@ -178,6 +178,11 @@ def _pictures(rule: str, known: Mapping[str, Rule[Any]]) -> dict[str, str | None
         cases = ()
     panels = rule_panels(cases)
     return {word: case_picture([panels[word]]) if word in panels else None for word in ("wrong", "right")}
+
+
+def _bytes_of(path: Path) -> bytes:
+    """A profile as it is now: what it was read from may be another file, or a pipe, by then."""
+    return read_named(path, "the profile", MOST_BYTES_OF_YAML)
 
 
 def _sha256(data: bytes) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_named
 from kerfwise.postproc.output_files import write_files
 
 from .job_edits import expect_keys
@@ -45,15 +46,16 @@ async def write_profile(server: Server, session: Session, body: dict[str, Any]) 
         raise InputError(f"{before['file']} has changed since it was shown: look at it again")
     written = await server.asked("profile_text", wanted=session.wanted, values=values, new=new)
     session.expect(version)
-    path = Path(written["path"])
+    path, data = Path(written["path"]), written["text"].encode("utf-8")
     if new is not None and not path.resolve().is_relative_to(server.folder.path):
         raise InputError("a new profile is written in the folder that is served only")
-    _write(path, written["text"].encode("utf-8"), written["sha256"])
+    _write(path, data, written["sha256"])
+    sha256 = hashlib.sha256(data).hexdigest()
     if new is None:
-        await _read_again(server, path)
+        await _read_again(server, path, sha256)
     else:
         await _want_anew(server, session, path)
-    return {"file": _shown(server, path), "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
+    return {"file": _shown(server, path), "sha256": sha256}
 
 
 def values_of(value: Any) -> list[tuple[str, str, str]]:
@@ -91,7 +93,7 @@ def _shown(server: Server, path: Path) -> str:
 
 def _write(path: Path, data: bytes, sha256: str | None) -> None:
     """Write a profile unless it has changed since it was read; None for one that was not there."""
-    now = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+    now = hashlib.sha256(read_named(path, "the profile", MOST_BYTES_OF_YAML)).hexdigest() if is_file(path) else None
     if now != sha256:
         raise InputError(f"{path.name} has changed on disk meanwhile: nothing is written")
     write_files({path: data})
@@ -109,16 +111,15 @@ async def _want_anew(server: Server, session: Session, profile: Path) -> None:
             continue
 
 
-async def _read_again(server: Server, path: Path) -> None:
-    """Every open nest whose profile is made of this file is to be planned again."""
-    stamp = hashlib.sha256(path.read_bytes()).hexdigest()
+async def _read_again(server: Server, path: Path, sha256: str) -> None:
+    """Every open nest whose profile is made of this file, as it was written, is to be planned again."""
     waiting = list(server.sessions.values())
     while waiting:
         session = waiting.pop()
         try:
             if str(path) in await server.asked("profile_files", wanted=session.wanted):
-                await server.want(session, replace(session.wanted, profile_now=stamp))
+                await server.want(session, replace(session.wanted, profile_now=sha256))
         except Stale:  # somebody has changed it meanwhile
             waiting.append(session)
         except (Refused, Died) as error:  # the profile is written; that this nest does not go with it is said there
-            session.changed(wanted=replace(session.wanted, profile_now=stamp), problem=str(error))
+            session.changed(wanted=replace(session.wanted, profile_now=sha256), problem=str(error))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,8 +12,14 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, expect
 
-from kerfwise import load_profile
-from kerfwise.tests.apps.viewer.serve.served import Open, Served, Tab
+from kerfwise import load_profile, rules
+from kerfwise.apps.viewer.serve import profile_answers
+from kerfwise.apps.viewer.serve.plan_request import PlanRequest
+from kerfwise.encoder import files
+from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.inputs import plant_of
+from kerfwise.postproc.output_files import write_files
+from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Served, Tab
 
 pytestmark = pytest.mark.slow
 
@@ -114,6 +123,47 @@ def test_a_file_that_has_changed_is_not_written_over(tab: Tab) -> None:
     assert ours(tab) == PLANT + "# more\n"
     tab.version -= 1
     assert tab.post("profile", 409, changes=[], sha256=seen)["kind"] == "stale"
+
+
+def test_what_was_written_is_told_whatever_stands_there_since(tab: Tab, monkeypatch: pytest.MonkeyPatch) -> None:
+    def written_and_replaced(files: dict[Path, bytes]) -> None:
+        write_files(files)
+        tab.nest.with_name("ours.yaml").write_text(PLANT + "# more\n", encoding="utf-8", newline="\n")
+
+    monkeypatch.setattr("kerfwise.apps.viewer.serve.profile_writing.write_files", written_and_replaced)
+    told = written(tab, ("heat-lag", "weight", "80 mm"))
+    text = PLANT.replace("{weight: 50 mm,", "{weight: 80 mm,")
+    assert told["written"]["sha256"] == hashlib.sha256(text.encode()).hexdigest()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no such files")
+@pytest.mark.parametrize("other", ["pipe", "link"])
+def test_another_file_in_the_place_of_a_profile_is_not_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, other: str
+) -> None:
+    """It comes after the profile was read, and before its bytes are; whoever writes into the pipe is not waited for."""
+    folder, outside = tmp_path / "nests", tmp_path / "outside.yaml"
+    folder.mkdir()
+    for file in (folder / "ours.yaml", outside):
+        file.write_text(PLANT, encoding="utf-8")
+    (folder / "small.json").write_text(SMALL, encoding="utf-8")
+    wanted = PlanRequest(str(folder / "small.json"), "profile: ours.yaml\n")
+
+    def plant_and_other(*words: Any) -> Any:
+        plant = plant_of(*words)
+        (folder / "ours.yaml").unlink()
+        if other == "link":
+            (folder / "ours.yaml").symlink_to(outside)
+        else:
+            os.mkfifo(folder / "ours.yaml")
+            threading.Thread(target=(folder / "ours.yaml").write_bytes, args=(b"",), daemon=True).start()
+        return plant
+
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(files, "_only_within", (str(folder.resolve()), str(Path(rules.__file__).parent)))
+    monkeypatch.setattr(profile_answers, "plant_of", plant_and_other)
+    with pytest.raises(InputError, match="not read: it"):
+        profile_answers.profile_told(wanted)
 
 
 def test_a_profile_outside_the_folder_is_not_written(served: Served, opened: Open, tmp_path: Path) -> None:
