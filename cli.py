@@ -76,7 +76,7 @@ class Verbs(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """The verb that was asked for; a mistyped one is answered with the nearest."""
         if args[0] not in (known := self.list_commands(ctx)) and not args[0].startswith("-"):
-            from kerfwise.encoder.text import unknown
+            from kerfwise.encoder.nearest_name import unknown
 
             raise click.UsageError(unknown("verb", args[0], known), ctx)
         return super().resolve_command(ctx, args)

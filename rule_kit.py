@@ -23,11 +23,20 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Ids, Kind, Nest, Part, Sheet
 from kerfwise.rules.case import Case, circle, cut, in_order, nest, part, rect
 from kerfwise.rules.judging.metal import host_holes, places
-from kerfwise.rules.judging.violation import NoGoodIds, Violation
 from kerfwise.rules.options.kind import Choice, Flag, Number, Text
 from kerfwise.rules.options.option import NoOptions, option
 from kerfwise.rules.options.quantities import DURATION, ENERGY, LENGTH, LENGTH_BY_THICKNESS, SPEED, TEMPERATURE, OrWord
-from kerfwise.rules.rule import Forced, OrderRule, Plant, Rule, RuleSetting, Strength, TemperatureLimit
+from kerfwise.rules.rule import (
+    Forced,
+    NoGoodIds,
+    OrderRule,
+    Plant,
+    Rule,
+    RuleSetting,
+    Strength,
+    TemperatureLimit,
+    Violation,
+)
 from kerfwise.rules.statements import (
     About,
     AtLeast,

@@ -9,7 +9,7 @@ from kerfwise.app_modules import app_module
 from kerfwise.encoder.already_cut import AlreadyCut
 from kerfwise.encoder.errors import InputError, KerfwiseError
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.jobs.by_engine import Method, OrdersOf
 from kerfwise.jobs.inputs import Inputs, NestLike, ProfileLike
 from kerfwise.jobs.nest_job.request import JobLike, inputs_for

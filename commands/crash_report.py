@@ -16,7 +16,7 @@ from pathlib import Path
 
 from kerfwise import __version__
 from kerfwise.encoder.errors import rule_of
-from kerfwise.encoder.text import escape_lines, escape_text
+from kerfwise.encoder.escape import escape_lines, escape_text
 
 LIBRARIES = ("click", "ezdxf", "jsonschema", "llvmlite", "matplotlib", "numba", "numpy", "ortools", "pyyaml", "rich",
              "scipy", "segno", "shapely", "svgelements")  # fmt: skip

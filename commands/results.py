@@ -11,9 +11,9 @@ import click
 
 from kerfwise.app_modules import app_module
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers.read import SUFFIXES
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import plant_of, reading
 
 from .shared_options import (

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kerfwise.encoder.errors import InputError, RuleFault, RulesConflict
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.questions import Question, Questions
 from kerfwise.encoder.readers.read import SUFFIXES
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import (
     Inputs,
     common_cuts_not_made,

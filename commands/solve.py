@@ -12,7 +12,7 @@ import click
 
 from kerfwise.app_modules import app_module
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.escape import escape_text
 from kerfwise.jobs.by_engine import Method, OrdersOf
 from kerfwise.jobs.request import NoPlan
 from kerfwise.models.engines import STRATEGIES

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, TextIO, cast
 
 from kerfwise.encoder.errors import Advice, InputError
-from kerfwise.encoder.text import escape_lines
+from kerfwise.encoder.escape import escape_lines
 
 if TYPE_CHECKING:
     from rich.status import Status

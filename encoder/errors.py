@@ -9,7 +9,7 @@ from pathlib import Path
 from types import GeneratorType, TracebackType
 from typing import Any
 
-from .text import escape_text
+from .escape import escape_text
 
 # The command line turns an `InputError` into one message and exit code 2, a `RulesConflict` into exit code 1, and
 # whatever else is raised into a report and exit code 70.

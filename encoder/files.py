@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 import yaml
 
 from .errors import InputError
-from .text import escape_text, unknown
+from .escape import escape_text
+from .nearest_name import unknown
 
 if TYPE_CHECKING:
     from jsonschema import ValidationError

@@ -19,7 +19,7 @@ from kerfwise.encoder.geometry.segment import Point
 from .bevels.bevel import Bevel, EdgeBevel
 from .cut import Stretch, Tab
 from .errors import InputError
-from .text import escape_text
+from .escape import escape_text
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.reading import Reading

@@ -14,7 +14,7 @@ from functools import wraps
 from typing import ParamSpec, TypeVar
 
 from .errors import Advice
-from .text import escape_text
+from .escape import escape_text
 
 AFTER_S = 5.0
 """Nobody wonders sooner."""

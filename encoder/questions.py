@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InputError
-from .text import escape_text, nearest
+from .escape import escape_text
+from .nearest_name import nearest
 
 Answers = tuple[tuple[str, str], ...]
 """The id of a question and the value of the choice, in the order in which they were given: the last one stands."""

@@ -1,4 +1,4 @@
-"""A nest as text of the format kerfwise-nest/1, which `readers.json_nest` reads."""
+"""A nest as text of the format kerfwise-nest/1, which `readers.json_nest` reads, and the units of a DXF of one."""
 
 from __future__ import annotations
 
@@ -58,3 +58,17 @@ def _sheet(sheet: Sheet) -> dict[str, Any]:
         "outline": sheet.outline.as_rows(),
         **({"holes": [h.as_rows() for h in sheet.holes]} if sheet.holes else {}),
     }
+
+
+_DXF_IN_MM = "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$INSUNITS\n70\n4\n9\n$MEASUREMENT\n70\n1\n0\nENDSEC\n"
+
+
+def dxf_in_mm(text: str) -> str:
+    """A DXF without a header, with one that says that it is in millimetres: who reads it does not have to ask.
+
+    Examples
+    --------
+    >>> dxf_in_mm("0\\nSECTION\\n2\\nENTITIES\\n").count("SECTION")
+    2
+    """
+    return _DXF_IN_MM + text

@@ -12,7 +12,7 @@ import numpy as np
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.models.plan.conflict import state_relaxed
 from kerfwise.models.plan.explain import (
     Explanation,

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field, replace
 import shapely
 
 from kerfwise.encoder.cut import HotSpot
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
-from kerfwise.encoder.text import join_names
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.tuning import COOLER_ROUNDS as COOLER_ORDERS_ROUNDS

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import shapely
 
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import read_named
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.narrow_features import cut_across, lost_walls
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.encoder.small_holes import diameter_under
-from kerfwise.encoder.text import join_names
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.nc.program import ARCS_REFITTED
 from kerfwise.rules.options.yaml_positions import wrong_at

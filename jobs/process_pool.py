@@ -19,7 +19,7 @@ from types import TracebackType
 from typing import Generic, Self, TypeVar
 
 from kerfwise.encoder.errors import Advice
-from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.escape import escape_text
 from kerfwise.models.jit import machine_cores
 
 Piece = TypeVar("Piece")

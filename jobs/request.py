@@ -26,10 +26,10 @@ from kerfwise.encoder.facts.links import with_links
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.identical_parts import Group, align_copies, entries_of_copies, shared_candidates
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.progress_notice import amount, long_job
 from kerfwise.encoder.questions import SHARED_EDGES, Choice, Question, Questions, with_answers
-from kerfwise.encoder.text import unknown
 from kerfwise.models.engines import ENGINES, Engine, member_of
 from kerfwise.models.engines.solution import Limits, Solution, SolveOptions
 from kerfwise.models.engines.tuning import REQUEST_ENOUGH_WORK as ENOUGH_WORK

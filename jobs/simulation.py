@@ -16,8 +16,8 @@ from kerfwise.arrays import Bools, Floats
 from kerfwise.encoder.bevels.cut_nest import bevelled
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import unknown
 from kerfwise.encoder.torch_path import chords, paced
 from kerfwise.models.physics.heat import HeatResult, PartHeat, TimedPath, TorchOn, simulate
 from kerfwise.models.physics.heat.grid import MOST_POINTS, SCRAP, Grid, make_grid

@@ -10,8 +10,8 @@ import yaml
 
 from kerfwise.encoder.cut import Direction
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import PointOrOff, PointXY

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_file, is_folder, is_there
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.rules.flat.model_file import shipped_text
 from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.options.option import options_of

@@ -14,7 +14,8 @@ from kerfwise.encoder.errors import naming_the_rule
 from kerfwise.encoder.nest import Ids, Nest
 
 from .expression.over_cuts import out_of_order
-from .judging.violation import NoGoodIds, Violation
+from .judging.violation import NoGoodIds as NoGoodIds
+from .judging.violation import Violation as Violation
 from .lock import Lock
 from .statements import About, Precede, Statement
 

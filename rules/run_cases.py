@@ -16,8 +16,8 @@ import yaml
 
 from kerfwise.encoder.cut import Cut, CutSequence, Side
 from kerfwise.encoder.errors import InputError, exception_text, file_of, rule_of
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest, Part
-from kerfwise.encoder.text import unknown
 from kerfwise.rules.flat.model_rule import ModelRule
 from kerfwise.rules.options.kind import Choice, Number, OptionKind, Unfit
 from kerfwise.rules.options.option import options_of

@@ -21,8 +21,6 @@ IMPORTED_EVERYWHERE = {
     "encoder.geometry.curve": "geometry",
     "encoder.geometry.segment": "geometry",
     "encoder.nest": "the nest",
-    "encoder.text": "names and lists in messages",
-    "rules.judging.violation": "what a judge says, of rules and of metal",
     "rules.statements": "what rules state, and engines keep",
 }
 Sources = Mapping[str, tuple[str, bool]]

@@ -13,7 +13,7 @@ import click
 from kerfwise.commands.shared_options import LOCK, SET, TRUST, nest_request, print_note
 from kerfwise.commands.terminal import expect_printed
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.rules.profile.load import DEFAULT, load_profile
 from kerfwise.rules.profile.profile_yaml import Provenance, profile_yaml
 
@@ -93,7 +93,7 @@ def schema(profile: str, trust: bool) -> None:
 @TRUST
 def diff(a: str, b: str, sources: bool, as_json: bool, trust: bool) -> None:
     """Print every key whose value differs between the profiles A and B."""
-    from kerfwise.encoder.text import align_columns
+    from kerfwise.encoder.display import align_columns
     from kerfwise.rules.profile.profile_yaml import differences
 
     found = differences(load_profile(a, trust=trust), load_profile(b, trust=trust))

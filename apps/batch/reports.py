@@ -16,9 +16,10 @@ from typing import Any
 from urllib.parse import quote
 
 from kerfwise.apps.work_sheets.work_sheet import WorkSheet, about_of_job, sheets_pdf, work_sheet
+from kerfwise.encoder.display import NONE, clock, metres, money, percent
 from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.escape import as_cell, escape_lines, escape_text
 from kerfwise.encoder.files import read_limited
-from kerfwise.encoder.text import NONE, as_cell, clock, escape_lines, escape_text, metres, money, percent
 from kerfwise.jobs.inputs import silent
 from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.postproc.output_files import write_files

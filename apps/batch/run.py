@@ -12,10 +12,10 @@ from typing import Any, Generic, Protocol, Self, TypeVar
 
 from kerfwise.apps.viewer.page.page_data import page_bytes, page_data
 from kerfwise.encoder.errors import InputError, RulesConflict, exception_text
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers.read import BrokenNest
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.programs import time_made
 from kerfwise.jobs.progress import Listener

@@ -13,10 +13,10 @@ from functools import lru_cache
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import is_file, is_folder
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.read import SUFFIXES
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import Inputs, Tell, common_cuts_not_made, drawn_nest, plant_of, tabs_not_left
 from kerfwise.jobs.nest_job import Job, job_beside, read_job
 from kerfwise.jobs.nest_job.request import NestRequest, job_for, locked_for, profile_for

@@ -16,8 +16,9 @@ from kerfwise import __version__
 from kerfwise.app_modules import library
 from kerfwise.commands.option_groups import GAP, RELAX, limit_options, together
 from kerfwise.commands.shared_options import AMOUNT_OVER_ZERO, TRUST, print_note
+from kerfwise.encoder.display import clock, money
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import clock, escape_text, money
+from kerfwise.encoder.escape import escape_text
 from kerfwise.postproc.report.legend import counted
 from kerfwise.rules.profile.load import DEFAULT
 

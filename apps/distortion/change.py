@@ -8,9 +8,9 @@ import numpy as np
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Part
-from kerfwise.encoder.text import escape_text
 
 COMPENSATED = "compensated"
 """The attribute of a part that says how it was changed: `along_x` and `along_y`, as `Change` has them."""

@@ -17,10 +17,10 @@ import shapely
 
 from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
 from kerfwise.encoder.nest import Contour, Nest, Part
-from kerfwise.encoder.text import escape_text
 
 from .change import COMPENSATED, POWERS, Change, change_of, middle_of
 from .part_errors import PartError, fit_rigid

@@ -16,8 +16,8 @@ import shapely
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.display import Picture
 from kerfwise.jobs.inputs import Inputs, Tell, silent
 from kerfwise.jobs.programs import OldJob

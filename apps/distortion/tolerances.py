@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.nest import Nest, Part
-from kerfwise.encoder.text import escape_text
 from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.quantities import LENGTH, positive
 from kerfwise.rules.options.yaml_positions import compose

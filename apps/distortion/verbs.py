@@ -21,7 +21,7 @@ from kerfwise.commands.shared_options import (
     trusted_if,
 )
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.write_nest import nest_json
 
 if TYPE_CHECKING:

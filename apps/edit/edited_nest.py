@@ -23,12 +23,13 @@ from kerfwise.apps.nesting.placement.layout import TURNS
 from kerfwise.apps.nesting.placement.nofit import Placed, Pose
 from kerfwise.apps.nesting.placement.shapes import Shapes
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest, Part, Sheet
 from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.scrap import largest_rectangle
-from kerfwise.encoder.text import escape_text, unknown
 from kerfwise.encoder.write_nest import nest_json
 from kerfwise.jobs.inputs import Inputs, Tell, damaged, is_plan_file, silent
 from kerfwise.jobs.nest_job.request import last_plan

@@ -19,8 +19,8 @@ from kerfwise.commands.shared_options import (
     size_of,
 )
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import is_file
-from kerfwise.encoder.text import escape_text
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import ReadOptions

@@ -29,7 +29,7 @@ from kerfwise.apps.nesting.programs import make_programs
 from kerfwise.apps.nesting.request import order_of
 from kerfwise.apps.nesting.result import Done, Nests, nests_of_job
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.jobs.inputs import ProfileLike, Tell, plant_of, reading
 from kerfwise.jobs.nest_job.job import day_of
 from kerfwise.jobs.nest_job.request import answered

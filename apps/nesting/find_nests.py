@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
+from kerfwise.encoder.display import clock
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.geometry.tolerances import tolerance_mm
-from kerfwise.encoder.text import clock
 from kerfwise.jobs.inputs import Tell
 from kerfwise.jobs.programs import Times, time_made
 from kerfwise.jobs.progress import CtrlC, Listener, Listeners

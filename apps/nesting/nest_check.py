@@ -11,13 +11,13 @@ import numpy as np
 import shapely
 from shapely import affinity
 
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.graphs import weak_components
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.encoder.readers.options import ReadOptions
-from kerfwise.encoder.text import join_names
 from kerfwise.encoder.validate import validated
 
 SLACK_MM = 0.01

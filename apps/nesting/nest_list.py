@@ -12,8 +12,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.questions import Answers
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import Tell
 from kerfwise.jobs.nest_job.job import ENDING, job_of
 from kerfwise.jobs.nest_job.request import with_values

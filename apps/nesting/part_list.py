@@ -14,8 +14,8 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_named, utf8_text
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.readers.read import SUFFIXES
-from kerfwise.encoder.text import unknown
 from kerfwise.jobs.nest_job.job import Day, value_schema
 from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import option, options_of

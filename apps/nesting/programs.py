@@ -7,11 +7,11 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
+from kerfwise.encoder.display import clock, metres
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import PART_TYPE, Nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.encoder.readers.options import ReadOptions
-from kerfwise.encoder.text import clock, metres
 from kerfwise.encoder.validate import validated
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.programs import time_made

@@ -10,8 +10,11 @@ from pathlib import Path, PureWindowsPath
 from typing import ClassVar
 
 from kerfwise.encoder.contour_checks import sheet_ring_problems
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import is_file, is_folder, read_limited
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest, Part, Sheet
 from kerfwise.encoder.questions import Questions, QuestionsOfFiles, with_answers
 from kerfwise.encoder.readers.drawing import Drawing
@@ -22,7 +25,6 @@ from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.readers.read import SUFFIXES, file_bytes, known_suffix, read_nest, unpacked
 from kerfwise.encoder.readers.sheet import NO_SHEET, drawn_sheet
-from kerfwise.encoder.text import escape_text, join_names, unknown
 from kerfwise.jobs.inputs import Tell, silent
 from kerfwise.jobs.nest_job import job_beside, read_job
 

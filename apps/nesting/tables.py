@@ -18,7 +18,7 @@ from typing import Any
 from kerfwise.app_modules import library
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_named
-from kerfwise.encoder.text import nearest
+from kerfwise.encoder.nearest_name import nearest
 
 TABLE_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx", ".xlsm")
 

@@ -23,8 +23,8 @@ from kerfwise.commands.shared_options import (
 )
 from kerfwise.commands.terminal import expect_printed, status_line
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import is_there
-from kerfwise.encoder.text import escape_text
 from kerfwise.rules.profile.load import DEFAULT
 
 from .find_nests import Watching

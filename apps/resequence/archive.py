@@ -14,8 +14,8 @@ from typing import Any, Literal, Unpack
 
 from kerfwise.apps.batch.store import UNREADABLE, has_content, key_of, remove
 from kerfwise.encoder.errors import InputError, RulesConflict, exception_text
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import read_limited
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import Tell, silent
 from kerfwise.jobs.process_pool import Workers, run_in_process
 from kerfwise.jobs.programs import ProgramRequest

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from kerfwise.encoder.display import align_columns
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import align_columns, escape_text
 from kerfwise.jobs.display import Picture
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult

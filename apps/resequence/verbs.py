@@ -11,8 +11,8 @@ from kerfwise import __version__
 from kerfwise.commands.option_groups import limit_options, together
 from kerfwise.commands.shared_options import TRUST, old_options, print_note, program_request
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import is_folder
-from kerfwise.encoder.text import escape_text
 from kerfwise.rules.profile.load import DEFAULT, files_of
 
 if TYPE_CHECKING:

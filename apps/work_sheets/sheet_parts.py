@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.apps.work_sheets.paper import Paper, qr_items, shortened
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import is_file, read_limited
 from kerfwise.encoder.nest import PART_TYPE, Nest, Part
 from kerfwise.encoder.scrap import largest_rectangle
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import attribute_text
 from kerfwise.languages.catalogue import ENGLISH, ENGLISH_TEXTS, Texts, texts
 from kerfwise.postproc.report.plot import A4, pdf_bytes

@@ -16,7 +16,7 @@ from kerfwise.commands.shared_options import (
     read_inputs,
 )
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.escape import escape_text
 
 if TYPE_CHECKING:
     pass

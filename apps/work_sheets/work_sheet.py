@@ -10,8 +10,8 @@ from pathlib import Path
 
 from kerfwise.apps.work_sheets.paper import BOX, MARGIN, ROOM, WIDTH, Paper, qr_items, shortened
 from kerfwise.encoder.errors import RulesConflict
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import Inputs, Tell, dates_ignored, differences, program_text, silent
 from kerfwise.jobs.nest_job.job import Job
 from kerfwise.jobs.programs import Times, time_made

@@ -12,9 +12,9 @@ import shapely
 
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest
-from kerfwise.encoder.text import join_names
 
 from .bevel import BevelPass
 from .cut_nest import BevelOptions, bevelled

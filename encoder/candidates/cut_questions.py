@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Protocol
 
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.geometry.measures import largest_circle
 from kerfwise.encoder.narrow_features import MOST_TOLD
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import NARROW, SMALL_HOLES, Choice, Question
 from kerfwise.encoder.slits import slits_of
 from kerfwise.encoder.small_holes import EXACT_MM, HoleLimits, Under
-from kerfwise.encoder.text import join_names
 
 from .candidate import LeadOptions
 from .lead_search import LeadAttempt

@@ -10,12 +10,12 @@ from typing import Any, Literal
 import numpy as np
 
 from kerfwise.arrays import Floats
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.narrow_features import Narrow
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.small_holes import EXACT_MM, HoleLimits, Under, diameter_under, kept_hole_reason
-from kerfwise.encoder.text import join_names
 
 from .candidate import LEAST_WASTE_MM, LeadOptions
 from .cut_questions import cut_questions

@@ -13,10 +13,10 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.bevels.bevel import Bevel, EdgeBevel
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Contour, Nest, Note, Source
 from kerfwise.encoder.questions import ANSWERED, LAYER, LIKELIEST, Asking, Choice, Question
-from kerfwise.encoder.text import join_names
 
 from .drawing import DrawnCurve
 from .join import join

@@ -18,13 +18,13 @@ from ezdxf.entities.insert import Insert
 from ezdxf.entities.point import Point
 from ezdxf.filemanagement import readfile
 
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import REPAIR, InputError
 from kerfwise.encoder.files import read_limited
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
 from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking, Choice, Question
-from kerfwise.encoder.text import join_names
 
 from .clipping import Clips, seen_through, texts_seen
 from .drawing import (

@@ -20,12 +20,12 @@ import shapely
 
 from kerfwise.encoder.bridges import with_bridges
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import MOST_BYTES, is_file, read_limited
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.progress_notice import notice_if_long
 from kerfwise.encoder.questions import LAYER, OF_DRAWING, Asking, Question, Questions, first_choices, with_gives
-from kerfwise.encoder.text import escape_text
 from kerfwise.encoder.validate import validated
 
 from .drawing import OpenLines

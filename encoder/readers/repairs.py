@@ -9,11 +9,11 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.contour_checks import flat, main_loop, place, speck
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.measures import MOST_MEETINGS, has_too_many_crossings
 from kerfwise.encoder.nest import Contour, Nest, Note, Part
 from kerfwise.encoder.questions import Asking, Choice, Question
-from kerfwise.encoder.text import join_names
 
 from .fit_arcs import FLATTEN_MM, fit_curve
 from .options import REPAIR_FACTOR, ReadOptions

@@ -11,9 +11,9 @@ from typing import Literal
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import is_file
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.questions import OF_CUTTING, OF_LAYERS, Answers, answer_problem, with_answers
-from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import (
     Inputs,
     NestLike,

@@ -12,6 +12,7 @@ from kerfwise.encoder.bevels.cut_nest import bevelled
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.candidates.stretches import run_of
 from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.curve import Curve
@@ -19,7 +20,6 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.slits import features_cut_across, narrow_because
 from kerfwise.encoder.small_holes import uncut_hole_reasons
-from kerfwise.encoder.text import join_names
 from kerfwise.encoder.torch_path import compensated, unlit_length_mm, way_along
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.physics.motion import Leg, idle_mm, schedule

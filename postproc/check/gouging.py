@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import shapely
 
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.geometry.curve import polygons_of
 from kerfwise.encoder.geometry.segment import Point, Segment
 from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest
-from kerfwise.encoder.text import join_names
 from kerfwise.rules.judging.violation import Violation
 
 from .contour_following import surely_beside

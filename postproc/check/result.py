@@ -11,10 +11,10 @@ from typing import Literal
 import numpy as np
 
 from kerfwise.encoder.cut import Cut, CutSequence, Pierce
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.graphs import path
 from kerfwise.encoder.nest import Ids, Nest
-from kerfwise.encoder.text import escape_text
 from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.plan_state import How, Place, PlanState
 from kerfwise.rules.profile.active_rules import ActiveRules

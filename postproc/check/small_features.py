@@ -11,12 +11,12 @@ import shapely
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import CutSequence, Side
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest, cached_with_nest
 from kerfwise.encoder.scrap import with_scrap
 from kerfwise.encoder.small_holes import HoleLimits
-from kerfwise.encoder.text import join_names
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.technique import Technique

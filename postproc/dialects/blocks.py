@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple, cast, get_args
 
 import yaml
 
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.rules.options.kind import Flag, Number, OptionKind, Unfit, scalar_text
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty

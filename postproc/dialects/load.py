@@ -13,8 +13,8 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited, utf8_text
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import unknown
 from kerfwise.rules.options.kind import Unfit
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.yaml_positions import (

@@ -21,7 +21,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.readers.options import ReadOptions
-from kerfwise.encoder.text import dxf_in_mm
+from kerfwise.encoder.write_nest import dxf_in_mm
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.technique import Technique
 

@@ -13,10 +13,10 @@ import shapely
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import escape_text
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check.reader.program import Burn
 

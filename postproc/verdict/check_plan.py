@@ -14,9 +14,9 @@ import shapely
 
 from kerfwise.encoder.cut import HotSpot, Side
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.progress_notice import amount, long_job, notice_if_long
-from kerfwise.encoder.text import escape_text
 from kerfwise.models.plan.plan import Plan, RuleReport
 from kerfwise.models.plan.read_plan import expect_named_alike
 from kerfwise.postproc.check import (

@@ -12,7 +12,7 @@ from typing import Any
 import yaml
 
 from kerfwise.encoder.bevels.bevel import LEAST_DEG, MOST_DEG
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.rules.options.kind import Number, OptionKind, Text, Unfit, scalar_text
 from kerfwise.rules.options.quantities import (
     AMPS,

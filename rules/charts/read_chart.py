@@ -15,7 +15,7 @@ import yaml
 from kerfwise.encoder.bevels.bevel import LEAST_DEG, MOST_DEG
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.rules.options.kind import Number, Text, Unfit
 from kerfwise.rules.options.yaml_positions import Problems, compose, entries, is_empty, items
 

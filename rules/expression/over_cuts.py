@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.display import first_and_last
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import first_and_last
 from kerfwise.rules.statements import Before, Pick
 
 from .node import Apart, Condition, Gate, Lit, NotNext, Run, Stays

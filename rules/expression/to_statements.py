@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import join_names
 from kerfwise.rules.statements import (
     About,
     AtLeast,

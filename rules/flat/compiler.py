@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.escape import escape_text
 from kerfwise.rules.minizinc.installation import (
     HOW_TO_INSTALL,
     MOST_GB,

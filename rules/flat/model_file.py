@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, expect_readable, read_limited, utf8_text
-from kerfwise.encoder.text import escape_text
 from kerfwise.rules.minizinc.twin import rule_file
 from kerfwise.rules.registry import RULES
 

@@ -13,18 +13,18 @@ from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.minizinc_data import Fields, assignments
+from kerfwise.encoder.nearest_name import nearest
 from kerfwise.encoder.nest import Ids, Nest
-from kerfwise.encoder.text import join_names, nearest
 from kerfwise.rules.expression.node import MOST_TOLD, Lit, Node, contours_of, orders
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.minizinc.twin import Further, TwinCase, twin_of
 from kerfwise.rules.options.kind import Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import NoOptions, option
 from kerfwise.rules.own.known_nest import attributes
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import USUAL, Rule, RuleFile, Strength
+from kerfwise.rules.rule import USUAL, Rule, RuleFile, Strength, Violation
 from kerfwise.rules.statements import Statement
 
 from .model_file import ModelFile, Parameter, files_read, read_model_file, states, whole_text, without_comments

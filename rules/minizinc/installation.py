@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import escape_text, unknown
+from kerfwise.encoder.escape import escape_text
+from kerfwise.encoder.nearest_name import unknown
 
 if TYPE_CHECKING:
     from minizinc import Driver, Solver

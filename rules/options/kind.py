@@ -9,8 +9,8 @@ from typing import Any
 
 import yaml
 
+from kerfwise.encoder.nearest_name import nearest
 from kerfwise.encoder.questions import answer_problem
-from kerfwise.encoder.text import nearest
 
 from .yaml_positions import is_empty, shape
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import yaml
 
-from kerfwise.encoder.text import nearest
+from kerfwise.encoder.nearest_name import nearest
 
 from .kind import NUMBER, Choice, Number, OptionKind, Unfit, digits, scalar_text
 

@@ -14,11 +14,10 @@ import numpy as np
 
 from kerfwise.encoder.errors import KerfwiseError, RuleFault, brought_by, exception_text, file_of, rule_hook
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.violation import NoGoodIds, Violation
 from kerfwise.rules.options.kind import OptionKind
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import Plant, Rule, Strength, TemperatureLimit
+from kerfwise.rules.rule import NoGoodIds, Plant, Rule, Strength, TemperatureLimit, Violation
 from kerfwise.rules.statements import About, Statement, candidates_named, contours_named
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from kerfwise.encoder.errors import InputError, KerfwiseError, RuleFault, exception_text, line_in
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.rules.options.kind import Text, Unfit
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, items
 from kerfwise.rules.registry import RULES

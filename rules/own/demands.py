@@ -14,10 +14,11 @@ import shapely
 import yaml
 
 from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.display import first_and_last
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import first_and_last, unknown
 from kerfwise.rules.expression.node import Apart, Condition, Gate, Lit, NotNext, Run, Stays, ahead
 from kerfwise.rules.options.kind import Choice, Number, Text, Unfit
 from kerfwise.rules.options.quantities import DURATION, LENGTH

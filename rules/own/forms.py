@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import yaml
 
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text, Unfit
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, shape
 

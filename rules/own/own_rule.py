@@ -11,10 +11,9 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.expression.over_cuts import breaches
 from kerfwise.rules.expression.to_statements import statement_of
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.yaml_positions import Place as FilePlace
-from kerfwise.rules.rule import USUAL, Plate, Rule, Strength
+from kerfwise.rules.rule import USUAL, Plate, Rule, Strength, Violation
 from kerfwise.rules.statements import About, Statement
 
 from .demands import DEMANDS, Chosen, Demand

@@ -11,7 +11,7 @@ import yaml
 from yaml.representer import SafeRepresenter
 
 from kerfwise.encoder.files import expect_readable, is_file
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.rules.options.kind import Choice, OptionKind, Text, Unfit
 from kerfwise.rules.options.quantities import WEIGHT
 from kerfwise.rules.options.yaml_positions import Problems, entries, items

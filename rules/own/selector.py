@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.rules.options.kind import Choice, OptionKind, Unfit
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, shape
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from difflib import SequenceMatcher
 from typing import Any
 
-from kerfwise.encoder.text import nearest
+from kerfwise.encoder.nearest_name import nearest
 from kerfwise.rules.options.option import Members, options_of
 from kerfwise.rules.options.yaml_positions import Place, place_in
 from kerfwise.rules.rule import Rule

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import yaml
 
 from kerfwise.encoder.errors import InputError, rule_hook
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, is_there, read_limited, utf8_text
-from kerfwise.encoder.text import escape_text, nearest, unknown
+from kerfwise.encoder.nearest_name import nearest, unknown
 from kerfwise.rules.flat.model_file import read_model_file
 from kerfwise.rules.flat.model_rule import options_class
 from kerfwise.rules.lock import Lock

@@ -13,7 +13,7 @@ import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
-from kerfwise.encoder.text import nearest, unknown
+from kerfwise.encoder.nearest_name import nearest, unknown
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty
 from kerfwise.rules.own import is_own, with_own_values

@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 import yaml
 
-from kerfwise.encoder.text import unknown
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.rules.options.kind import Choice, Number, OptionKind, Text, Unfit
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import ACCELERATION, CUT_FEED, LENGTH, SPEED, likely, positive

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.nest import Contour, Nest, cached_with_nest
-from kerfwise.encoder.text import join_names
 from kerfwise.rules.judging.loose_metal import OVER_MM, beside_metal, crumbs, loosened, meeting
-from kerfwise.rules.judging.violation import NoGoodIds
-from kerfwise.rules.rule import Rule
+from kerfwise.rules.rule import NoGoodIds, Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About, NoGood, Precede, Statement, by_kind
 
 from .reduced_statements import GantryStatements, Remainder, remaining_no_good, rest_of

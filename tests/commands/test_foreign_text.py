@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import OBEYED, escape_text
 from kerfwise.encoder.files import strict_json
 from kerfwise.encoder.nest import Note
-from kerfwise.encoder.text import OBEYED, escape_text
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.commands.test_boundary import PLAIN
 

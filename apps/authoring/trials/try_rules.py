@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import unknown
 from kerfwise.rules.case import Case
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.minizinc.installation import driver

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from kerfwise.encoder.text import align_columns, escape_text
+from kerfwise.encoder.display import align_columns
+from kerfwise.encoder.escape import escape_text
 from kerfwise.postproc.check.result import Judgement
 from kerfwise.postproc.report.legend import counted
 

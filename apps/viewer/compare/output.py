@@ -10,7 +10,7 @@ import numpy as np
 
 from kerfwise.apps.work_sheets.paper import Paper
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.escape import escape_text
 from kerfwise.jobs.display import Picture, PictureKind
 from kerfwise.postproc.output_files import write_files
 from kerfwise.postproc.report.plot import pdf_bytes

@@ -15,7 +15,7 @@ import click
 from kerfwise.commands.option_groups import RELAX, limit_options, together
 from kerfwise.commands.shared_options import nest_options, print_note, protect, read_inputs
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.escape import escape_text
 from kerfwise.rules.profile.load import DEFAULT
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from pathlib import Path
 from kerfwise.apps.viewer.compare.comparison import Compared, figure_rows, proofs, rule_rows, sides, summary_of
 from kerfwise.apps.viewer.compare.sides import Side
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import escape_text
 from kerfwise.encoder.torch_path import paced
 from kerfwise.jobs.display import proof_of, summary_lines
 from kerfwise.jobs.inputs import Inputs

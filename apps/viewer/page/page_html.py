@@ -15,10 +15,10 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from kerfwise.encoder.cut import Cut, Pierce
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest, Source
-from kerfwise.encoder.text import escape_text
 from kerfwise.languages.catalogue import page_texts
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.models.plan.read_plan import expect_plan_of

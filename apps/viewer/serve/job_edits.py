@@ -13,9 +13,9 @@ from ruamel.yaml.error import YAMLError
 from ruamel.yaml.scalarstring import DoubleQuotedScalarString
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import answers_of
-from kerfwise.encoder.text import unknown
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.nest_job.job import LOCKS, SET, TABS, Job, job_of, with_kept
 from kerfwise.jobs.nest_job.request import Names

@@ -14,8 +14,8 @@ from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.readers.read import SUFFIXES
-from kerfwise.encoder.text import escape_text
 from kerfwise.postproc.output_files import write_files
 
 FRESH_S, FRESH_SHARE = 0.2, 2.0

@@ -11,7 +11,7 @@ from typing import Any
 
 from kerfwise.apps.viewer.page.page_data import page_data
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.encoder.text import escape_lines, escape_text
+from kerfwise.encoder.escape import escape_lines, escape_text
 from kerfwise.jobs.display import summary_lines
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.nest_job.job import Job

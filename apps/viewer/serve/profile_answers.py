@@ -10,8 +10,8 @@ from typing import Any
 
 from kerfwise.apps.authoring.new_profile import expect_usable
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_there, read_named
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.inputs import plant_of
 from kerfwise.postproc.report.rule_pictures import case_picture, rule_panels
 from kerfwise.rules.options.kind import Choice, Flag, Text

@@ -18,11 +18,11 @@ from kerfwise.apps.viewer.page.page_data import compared_data, page_data
 from kerfwise.apps.viewer.page.page_html import nest_data, page_of
 from kerfwise.apps.viewer.page.page_reasons import heat_data, why_data
 from kerfwise.encoder.errors import REPAIR, InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import OF_CUTTING
 from kerfwise.encoder.questions import Questions as OfDrawing
 from kerfwise.encoder.readers.read import BrokenNest, seen
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.explainer import Explainer, MovePreview, Mover
 from kerfwise.jobs.inputs import Inputs, lines_as_cut, plant_of, reading, silent
 from kerfwise.jobs.nest_job.request import NestRequest, profile_for

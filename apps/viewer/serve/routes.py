@@ -14,7 +14,7 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingResponse
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.text import escape_text
+from kerfwise.encoder.escape import escape_text
 
 from .guard import Answer, changes_in, gone, said_in, session_of, whole
 from .nest_folder import NestFile, is_readable

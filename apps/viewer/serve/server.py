@@ -19,8 +19,8 @@ from anyio import CapacityLimiter, to_thread
 
 import kerfwise
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_limited
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.nest_job.job import beside_name
 from kerfwise.models.engines.tuning import MEMORY_GB
 from kerfwise.models.engines.tuning import REQUEST_WORK as WORK

@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from kerfwise.encoder.errors import Advice, InputError, KerfwiseError
+from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import read_only_within
-from kerfwise.encoder.text import escape_text
 from kerfwise.jobs.process_pool import show_warnings_as_notes, start_quietly
 
 from .plan_request import STOP, Questions

@@ -11,9 +11,9 @@ from typing import Any
 
 from ortools.sat.python.cp_model import OPTIMAL, CpModel
 
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.text import join_names
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.solution import SolveOptions

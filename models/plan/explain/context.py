@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import Cut
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
-from kerfwise.encoder.text import join_names
 from kerfwise.models.engines.solution import Incumbent, Solution
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.plan import Plan

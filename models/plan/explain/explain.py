@@ -7,13 +7,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.slits import narrow_because
 from kerfwise.encoder.small_holes import uncut_hole_reasons
-from kerfwise.encoder.text import join_names, unknown
 from kerfwise.models.heat_prices import HEAT
 from kerfwise.models.plan.make_plan import bevels_because, common_because, tabs_because
 from kerfwise.models.plan.plan import Plan

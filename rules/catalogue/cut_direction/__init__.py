@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Literal, cast
 
 from kerfwise.encoder.cut import CutSequence, Direction
 from kerfwise.encoder.nest import Kind, Nest
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.kind import Choice
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Rule, Strength
+from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import Forbid
 
 if TYPE_CHECKING:

@@ -11,11 +11,10 @@ import shapely
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Contour, Nest
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import DURATION, LENGTH, likely
-from kerfwise.rules.rule import Plant, Rule, RuleSetting
+from kerfwise.rules.rule import Plant, Rule, RuleSetting, Violation
 from kerfwise.rules.statements import Lag
 
 if TYPE_CHECKING:

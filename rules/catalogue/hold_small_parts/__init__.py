@@ -14,12 +14,11 @@ from kerfwise.encoder.cut import Cut, CutSequence, Tab
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.encoder.torch_path import LONGEST_MM, Axis, TabChoice, TabOptions
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Choice, Number
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import LENGTH, likely, positive
-from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength
+from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import Forbid
 
 if TYPE_CHECKING:

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Literal
 from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Ids, Nest
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.lock import Lock, check_locks
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import LENGTH, likely
 from kerfwise.rules.options.yaml_positions import wrong_at
-from kerfwise.rules.rule import Plant, Rule, RuleSetting
+from kerfwise.rules.rule import Plant, Rule, RuleSetting, Violation
 from kerfwise.rules.statements import AtLeast, Before, Forbid, Precede, Statement
 
 if TYPE_CHECKING:

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Literal
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Ids, Nest
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.kind import Choice
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Rule
+from kerfwise.rules.rule import Rule, Violation
 from kerfwise.rules.statements import Contiguous, Precede
 
 if TYPE_CHECKING:

@@ -7,13 +7,12 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.display import first_and_last
 from kerfwise.encoder.nest import Nest
-from kerfwise.encoder.text import first_and_last
 from kerfwise.rules.judging.holding import clusters, holding, island_cuts
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Forced, Rule
+from kerfwise.rules.rule import Forced, Rule, Violation
 from kerfwise.rules.statements import AtLeast, Before, Literal
 
 if TYPE_CHECKING:

@@ -10,9 +10,8 @@ import shapely
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.option import NoOptions
-from kerfwise.rules.rule import Rule
+from kerfwise.rules.rule import Rule, Violation
 from kerfwise.rules.statements import Crossing
 
 if TYPE_CHECKING:

@@ -7,14 +7,13 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 from kerfwise.encoder.cut import CutSequence
+from kerfwise.encoder.display import first_and_last
 from kerfwise.encoder.nest import Contour, Ids, Nest, Part
-from kerfwise.encoder.text import first_and_last
 from kerfwise.rules.catalogue.marks_first import MarksFirst, MarksFirstOptions
 from kerfwise.rules.expression.over_cuts import interrupted
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.kind import Choice
 from kerfwise.rules.options.option import option
-from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength
+from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import Contiguous, Precede
 
 if TYPE_CHECKING:

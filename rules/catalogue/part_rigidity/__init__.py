@@ -12,11 +12,10 @@ from kerfwise.arrays import Floats, Ints, concat_ranges
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.facing import rigid_at_best, rigid_at_the_end
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import LENGTH, WEIGHT, likely
-from kerfwise.rules.rule import Forced, Rule, Strength
+from kerfwise.rules.rule import Forced, Rule, Strength, Violation
 from kerfwise.rules.statements import About, AtLeast, Before
 
 if TYPE_CHECKING:

@@ -13,10 +13,9 @@ import shapely
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.pierces import PiercePlaces, leads_over_holes, leads_over_older_kerfs, starts_in_older_kerfs
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import LENGTH_BY_THICKNESS, likely
-from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength
+from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import AtLeast, Before, Pick
 
 if TYPE_CHECKING:

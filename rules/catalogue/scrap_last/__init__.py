@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.judging.holding import loose_scrap_cuts
-from kerfwise.rules.judging.violation import Violation
-from kerfwise.rules.rule import Rule, Strength
+from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import AtLeast, Before, Contiguous, Precede
 
 from .skeleton import skeleton_of

@@ -14,8 +14,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.judging.holding import burnt_parts
-from kerfwise.rules.judging.violation import Violation
-from kerfwise.rules.rule import Rule
+from kerfwise.rules.rule import Rule, Violation
 from kerfwise.rules.statements import AtLeast
 
 if TYPE_CHECKING:

@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.kind import Choice, Number
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import LENGTH, likely
-from kerfwise.rules.rule import Rule, Strength
+from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import Statement
 
 if TYPE_CHECKING:

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence, HotSpot
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.options.kind import Flag
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import DURATION, TEMPERATURE, OrWord, likely
-from kerfwise.rules.rule import Plant, Rule, RuleSetting, TemperatureLimit
+from kerfwise.rules.rule import Plant, Rule, RuleSetting, TemperatureLimit, Violation
 from kerfwise.rules.statements import Statement
 
 if TYPE_CHECKING:

@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Contour, Ids, Nest
 from kerfwise.rules.judging.metal import host_holes
-from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Number
 from kerfwise.rules.options.option import option
 from kerfwise.rules.options.quantities import ENERGY, OrWord, likely, positive
-from kerfwise.rules.rule import Forced, Rule, Strength
+from kerfwise.rules.rule import Forced, Rule, Strength, Violation
 from kerfwise.rules.statements import About, Precede
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import PurePath
 from unicodedata import category
 
-from kerfwise.encoder.text import OBEYED, escape_text
+from kerfwise.encoder.escape import OBEYED, escape_text
 from kerfwise.tests.fuzz.inputs.case import Case
 
 from .run import Ended

@@ -1,4 +1,4 @@
-from kerfwise.encoder.text import nearest, unknown
+from kerfwise.encoder.nearest_name import nearest, unknown
 
 
 def test_nearest_ignores_case_and_underscores() -> None:
