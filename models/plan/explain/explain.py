@@ -295,8 +295,13 @@ def difference(more_um: int | None) -> str:
     mm = f"{abs(um) / UM_PER_MM:.1f} mm {'more' if um > 0 else 'less'}" if um else "as long"
     if not excuses:
         return mm
-    named = "excuse" if abs(excuses) == 1 else "excuses"
-    return f"{abs(excuses)} {'more' if excuses > 0 else 'fewer'} {named} from hard rules, {mm}"
+    if abs(excuses) == 1:
+        return f"1 more excuse from hard rules, {mm}" if excuses > 0 else f"1 fewer excuse from hard rules, {mm}"
+    return (
+        f"{excuses} more excuses from hard rules, {mm}"
+        if excuses > 0
+        else f"{-excuses} fewer excuses from hard rules, {mm}"
+    )
 
 
 def price(mm: float) -> str:
