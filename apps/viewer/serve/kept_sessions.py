@@ -26,7 +26,7 @@ from kerfwise.encoder.files import only_ours
 from .plan_request import PlanRequest
 from .session import Alternative, Packed, Session
 
-FORMAT = "kerfwise-viewer/1"
+FORMAT, SESSION = "kerfwise-viewer/1", "session.json"
 INTERRUPTED = "the planning was interrupted: press Plan to take it up again"
 PLAN, PAGE, FILES = "plan.json", "page.z", "files/"
 """What a plan's file holds: what a list says of it, its page, and its files."""
@@ -94,6 +94,7 @@ class KeptSessions:
         self._served, self._trust, self.why_not = served, trust, ""
         self._folder: Path | None = None
         self._files: dict[tuple[str, int], Path] = {}
+        self._aside: dict[str, str] = {}
         name = hashlib.sha256(os.fsencode(served)).hexdigest()[:16]
         try:
             if state is None:
@@ -104,9 +105,10 @@ class KeptSessions:
         except (OSError, NotPrivate) as error:
             self.why_not = getattr(error, "strerror", None) or str(error)
 
-    def told(self) -> dict[str, Any]:
-        """Whether plans and edits are kept, and where, as JSON."""
-        return {"ok": not self.why_not, "where": str(self._folder or ""), "why": self.why_not}
+    def told(self, key: str = "") -> dict[str, Any]:
+        """Whether plans and edits are kept, and where, and what was set aside of a session, as JSON."""
+        aside = self._aside.get(key, "")
+        return {"ok": not self.why_not, "where": str(self._folder or ""), "why": self.why_not, "aside": aside}
 
     def read_own(self, name: str) -> dict[str, Any]:
         """What is kept of the folder itself, such as its port."""
@@ -144,8 +146,8 @@ class KeptSessions:
                 _remove(path)
 
     def keep(self, session: Session) -> None:
-        """Keep what is wanted and shown."""
-        if (folder := self._of(session.id)) is None:
+        """Keep what is wanted and shown; a file that cannot be read is set aside before the first time."""
+        if (folder := self._of(session.id)) is None or not self._set_aside(session.id, folder / SESSION):
             return
         data = {
             "format": FORMAT,
@@ -162,7 +164,22 @@ class KeptSessions:
             "planning": session.solving is not None,
             "kept": [one.number for one in session.alternatives if one.kept],
         }
-        self._write(folder / "session.json", json.dumps(data).encode())
+        self._write(folder / SESSION, json.dumps(data).encode())
+
+    def _set_aside(self, key: str, path: Path) -> bool:
+        """Rename a session that is damaged, or of another version; whether nothing is lost now if it is written."""
+        if key in self._aside:
+            return True
+        beside = path.with_name(f"session.damaged-{secrets.token_hex(4)}.json")
+        is_lost = os.path.lexists(path) and not self._session(key)
+        try:
+            if is_lost:
+                path.rename(beside)
+        except OSError as error:
+            self.why_not = error.strerror or str(error)
+            return False
+        self._aside[key] = str(beside) if is_lost else ""
+        return True
 
     def nest_of(self, key: str) -> str | None:
         """The name of the nest whose session is kept under a key."""
@@ -228,7 +245,7 @@ class KeptSessions:
 
     def _session(self, key: str) -> dict[str, Any]:
         folder = self._of(key, make=False)
-        data = {} if folder is None else _json_in(folder / "session.json")
+        data = {} if folder is None else _json_in(folder / SESSION)
         return data if data.get("format") == FORMAT and _is_sound(data) else {}
 
     def _of(self, key: str, make: bool = True) -> Path | None:

@@ -199,7 +199,8 @@ class Server:
     def as_json(self, session: Session) -> dict[str, Any]:
         """The state of a session as a page shows it."""
         found = (nest_differences(session.seen, session.opened), job_difference(session.changed_job))
-        return {**session.as_json(), "differences": [one for one in found if one], "keeping": self.kept.told()}
+        keeping = self.kept.told(session.id)
+        return {**session.as_json(), "differences": [one for one in found if one], "keeping": keeping}
 
     async def drop(self, name: str, drawing: bytes, repair: bool = False, answers: Mapping[str, str] = NONE) -> Session:
         """The session of a drawing that was dropped on the page; it is written into the folder once it can be read."""

@@ -20,6 +20,7 @@ export function notices(app, work) {
     place.replaceChildren(
       ...(work.lost ? [lostNotice(work)] : []),
       ...(keeping.ok ? [] : [make("p", { class: "notice" }, tr("plans and edits are not kept on disk: {why}", { why: WHY_NOT[keeping.why]?.() ?? keeping.why }))]),
+      ...(keeping.aside ? [make("p", { class: "notice" }, tr("what was wanted of this nest could not be read, and is set aside: {file}", { file: keeping.aside }))] : []),
       ...differences.map((/** @type {any} */ one) => one.what === "nest" ? nestNotice(work, one) : jobNotice(work, one)),
     );
     place.hidden = !place.childElementCount;

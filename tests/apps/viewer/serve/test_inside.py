@@ -216,3 +216,22 @@ def test_a_session_that_is_damaged_or_of_another_version_hinders_no_nest(tmp_pat
         found = kept.load("abc", nest)
         assert found is None or isinstance(found.wanted.job_text, str | None), data
     assert kept.load("abc", nest) is None, "the last one is damaged"
+
+
+@pytest.mark.parametrize("text", ["{", '{"format": "kerfwise-viewer/9", "wanted": "what only that version knows"}'])
+def test_a_session_that_cannot_be_read_is_set_aside_and_named(tmp_path: Path, text: str) -> None:
+    session = Session("abc", "small.json", PlanRequest("small.json"), {"sha256": ""}, News())
+    KeptSessions(tmp_path / "state", tmp_path).keep(session)
+    (file,) = (tmp_path / "state").rglob("session.json")
+    file.write_text(text, encoding="utf-8")
+    kept = KeptSessions(tmp_path / "state", tmp_path)
+    assert kept.told("abc")["aside"] == ""
+    for _ in range(2):  # what is kept afterwards is sound
+        kept.keep(session)
+        aside = Path(kept.told("abc")["aside"])
+        assert aside.read_text(encoding="utf-8") == text
+        assert sorted(path.name for path in file.parent.iterdir()) == sorted([aside.name, "session.json"])
+    again = KeptSessions(tmp_path / "state", tmp_path)
+    assert again.load("abc", tmp_path / "small.json") is not None
+    again.keep(session)
+    assert again.told("abc")["aside"] == ""
