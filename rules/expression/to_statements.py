@@ -109,7 +109,7 @@ class Writer:
     def written(self, elements: Sequence[Node], says: Sequence[str], further: Sequence[Node]) -> Iterator[Statement]:
         """The statements of an array's elements, with the sentences that go with them, and of further conditions.
 
-        Raises NotHeld for an element that no statement holds.
+        Raises NotExpressible for an element that no statement holds.
         """
         runs, rest = contiguous_runs(elements)
         for members in runs:
@@ -374,7 +374,7 @@ def _run_element(node: Node) -> tuple[int, frozenset[int]] | None:
 def without_words(node: Node, n: int) -> Node:
     """The node over orders and picks alone: what comes next, and how many cuts lie between, by positions.
 
-    Raises NotHeld for seconds, which no order says.
+    Raises NotExpressible for seconds, which no order says.
     """
     if isinstance(node, bool):
         return node
@@ -419,7 +419,7 @@ MOST_CLAUSES = 5_000
 def clauses(node: Node) -> list[Node]:
     """Conditions that all hold where the node does, with no `and` within an `or`; sums stay as they are.
 
-    Raises NotHeld if they are too many.
+    Raises NotExpressible if they are too many.
 
     Examples
     --------
