@@ -24,10 +24,9 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.adaptive_zones import ZonedPlan, better_zones, plan_by_rungs, zones_follow
 from kerfwise.jobs.by_engine import PORTFOLIO, Method, solve_by, with_less_work
+from kerfwise.jobs.completed_plan import completed
 from kerfwise.jobs.first_plan import first_plan, plan_at_hand
-from kerfwise.jobs.gantry import with_further_torches
 from kerfwise.jobs.inputs import Inputs, Tell, silent
-from kerfwise.jobs.pierce_pass import with_pierces
 from kerfwise.jobs.plan_without_zones import is_look_worthwhile, zoned_by
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import Found, NoPlan, Request, expect_no_shared_edges, facts_of, make_request, ways_on
@@ -45,7 +44,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.read_program import Trusted
 from kerfwise.postproc.check.stated import with_state
-from kerfwise.postproc.clock import cost_of_plan, with_times
+from kerfwise.postproc.clock import cost_of_plan
 from kerfwise.postproc.dialects import dialect_misfits, expect_words
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan, judge, report_of
@@ -388,9 +387,7 @@ def plan_of(
     plan = make_plan(facts, profile, stated, solution, engine, limits.seed)
     if reasons:
         plan = with_reasons(plan, solved_context(facts, profile, stated, solution), at_once=at_once)
-    plan = with_further_torches(plan, facts, stated, solution)
-    plan = with_pierces(plan, facts.whole_nest, profile, limits)
-    return with_times(plan, facts.whole_nest, profile)
+    return completed(plan, facts, profile, stated, solution, limits)
 
 
 # From a plan to its program, and the verdict on both.

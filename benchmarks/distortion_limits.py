@@ -20,7 +20,7 @@ that no order, no entry and no wait can be expected to reach, except by chance w
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -103,9 +103,9 @@ class Nested:
                 left.append(float(np.hypot(*off.T).max()))
         return float(np.mean(left))
 
-    def alone(self, part: Part, outer: TorchOn, inner: list[TorchOn]) -> float:
+    def alone(self, part: Part, burns: Sequence[TorchOn]) -> float:
         """A part cut as the only one, mm."""
-        errors = errors_of(self.nest, self.moved(in_order([*inner, outer], float(outer.at_s[-1]))))
+        errors = errors_of(self.nest, self.moved(in_order(burns, float(burns[-1].at_s[-1]))))
         return next(e.max_mm or 0.0 for e in errors if e.part == part.id)
 
     def each_alone(self) -> Iterator[tuple[float, float]]:
@@ -114,11 +114,11 @@ class Nested:
             mine = [burn for burn in self.path.burns if self.nest.contour(burn.contour).part == part.id]
             if not mine or mine[-1].contour != part.outer.id:
                 continue
-            *inner, outer = mine
+            inner = [burn for burn in mine if burn.contour != part.outer.id]
             begin_s = float(inner[-1].at_s[-1]) + 5.0 if inner else 0.0
             ways = self._given.orders.ways(self.nest.index[part.outer.id], begin_s)
-            as_planned = self.alone(part, outer, inner)
-            yield as_planned, min([as_planned, *(self.alone(part, way, inner) for way in ways)])
+            as_planned = self.alone(part, mine)
+            yield as_planned, min([as_planned, *(self.alone(part, [*inner, *way]) for way in ways)])
 
     def row(self) -> Iterator[float]:
         """The figures of the table, mm."""

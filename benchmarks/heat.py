@@ -27,13 +27,13 @@ from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.cooler_orders import CoolerOrders
 from kerfwise.jobs.heat_control import cooler_orders, solve_priced
 from kerfwise.jobs.request import Request, facts_of, options_for
+from kerfwise.jobs.route_paths import RoutePaths
 from kerfwise.models.engines.baselines import random_order, realtime_order
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.engines.tuning import COOLER_ORDERS_DRAWN as ORDERS
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.grid import Grid, make_grid
-from kerfwise.models.physics.heat.timed_path import RoutePaths
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
@@ -109,7 +109,7 @@ def bench(name: str, nest: Nest, profile: Profile) -> Bench:
     facts, feeds = facts_of(nest, profile), feeds_of(profile)
     stated = state_rules(facts, profile)
     problem = make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds)
-    paths = RoutePaths(facts, profile.material.kerf_mm, feeds, profile.home_on(facts.nest))
+    paths = RoutePaths(facts, profile, stated)
     return Bench(name, profile, facts, stated, problem, paths, make_grid(nest, profile.heat.grid_mm))
 
 
@@ -139,7 +139,8 @@ def strategies(case: Bench, cooler: CoolerOrders, work: float) -> Iterator[str]:
     yield row("shortest path", shortest)
     routes = [case.candidates(random_order(case.problem, seed)) for seed in RANDOM_SEEDS]
     yield row(f"random, mean of {len(routes)}", *routes)
-    yield row("Realtime", case.candidates(realtime_order(case.problem, case.facts, heat, thickness_mm, case.paths)))
+    coolest = realtime_order(case.problem, case.facts, heat, thickness_mm, case.paths.burn)
+    yield row("Realtime", case.candidates(coolest))
     asked, limits = Request(case.facts, case.stated), SolveOptions(work=work)
     for price_mm in PRICES_MM:
         profile = replace(case.profile, objective=replace(case.profile.objective, heat=price_mm))

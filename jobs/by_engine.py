@@ -108,7 +108,10 @@ def solve_by(
     if method.strategy != "ours":
         from kerfwise.models.engines.baselines import solve_by as solve_plainly
 
-        found_plainly = solve_plainly(method.strategy, facts, profile, stated.statements, limits, progress)
+        from .route_paths import RoutePaths
+
+        burn = RoutePaths(facts, profile, stated).burn
+        found_plainly = solve_plainly(method.strategy, facts, profile, stated.statements, limits, burn, progress)
         return _priced(found_plainly, facts, profile, stated.statements)
     if method.engine == "minizinc":
         from kerfwise.models.engines.minizinc_engine import solve_minizinc

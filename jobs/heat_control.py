@@ -24,7 +24,7 @@ from kerfwise.models.heat_prices import NEAR_BANDS
 from kerfwise.models.jit import running_s
 from kerfwise.models.physics.heat.grid import Grid, make_grid
 from kerfwise.models.physics.heat.pacing import Heated, Pacing, hot_spots, pace
-from kerfwise.models.physics.heat.timed_path import RoutePaths, TimedPath
+from kerfwise.models.physics.heat.timed_path import TimedPath
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.plan import SIMULATION, WAITS, Plan
 from kerfwise.models.problem.compile import make_problem
@@ -39,6 +39,7 @@ from kerfwise.rules.stating.state_rules import Stated
 from .by_engine import by_all_rules
 from .cooler_orders import CoolerOrders, SimulatedOrders
 from .request import Request
+from .route_paths import RoutePaths
 from .simulation import path_of_plan, path_of_program
 
 LATER = (1 - FIRST) / COOLER_ORDERS_ROUNDS
@@ -50,9 +51,8 @@ SolveStated = Callable[[float, Stated], Solution]
 
 def cooler_orders(facts: Facts, profile: Profile, stated: Stated) -> CoolerOrders:
     """What finds cooler orders that keep the statements; nothing is simulated yet."""
-    home, feeds = profile.home_on(facts.nest), feeds_of(profile)
-    problem = make_problem(facts, stated.statements, home, feeds)
-    paths = RoutePaths(facts, profile.material.kerf_mm, feeds, home)
+    problem = make_problem(facts, stated.statements, profile.home_on(facts.nest), feeds_of(profile))
+    paths = RoutePaths(facts, profile, stated)
     return CoolerOrders(facts, problem, profile.heat, profile.material.thickness_mm, paths)
 
 

@@ -24,8 +24,9 @@ from kerfwise.jobs.by_engine import OrdersOf
 from kerfwise.jobs.cooler_orders import BestSimulated, Judge, MayGoOn, Planner, Route
 from kerfwise.jobs.first_plan import nearest_way
 from kerfwise.jobs.inputs import Inputs, expect_one_torch, of_first_torch
+from kerfwise.jobs.route_paths import RoutePaths
 from kerfwise.models.engines.lawful_walk import route_like
-from kerfwise.models.physics.heat.timed_path import RoutePaths, TorchOn
+from kerfwise.models.physics.heat.timed_path import TorchOn
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
@@ -80,10 +81,10 @@ class StraighterOrders:
     """
 
     def __init__(self, facts: Facts, profile: Profile, stated: Stated, start: Plan | None = None) -> None:
-        nest, home, feeds = facts.nest, profile.home_on(facts.nest), feeds_of(profile)
+        nest = facts.nest
         self._nest, self._heat = nest, profile.heat
-        self._problem = make_problem(facts, stated.statements, home, feeds)
-        self._facts, self.paths = facts, RoutePaths(facts, profile.material.kerf_mm, feeds, home)
+        self._problem = make_problem(facts, stated.statements, profile.home_on(nest), feeds_of(profile))
+        self._facts, self.paths = facts, RoutePaths(facts, profile, stated)
         self.how = cutting_of(profile.material, cell_mm(nest, CELLS))
         self._part = nest.owners
         self._candidates: list[list[int]] = [[] for _ in nest.contours]
@@ -104,12 +105,11 @@ class StraighterOrders:
         """Of a mm of error, mean over the parts of their worst places, mm of idle travel."""
         return profile.objective.distortion
 
-    def ways(self, contour: int, begin_s: float) -> list[TorchOn]:
+    def ways(self, contour: int, begin_s: float) -> list[tuple[TorchOn, ...]]:
         """The torch's path round a contour by each of its candidates, those that no rule allows there included."""
         facts = self._facts
         numbers = range(int(facts.first[contour]), int(facts.first[contour + 1]))
-        burns = (self.paths.burn(k, begin_s, facts.candidates[k].pierce)[0] for k in numbers)
-        return [burn for burn in burns if burn is not None]
+        return [self.paths.burn(k, begin_s, facts.candidates[k].pierce)[0] for k in numbers]
 
     def find(
         self, price_mm: float, planner: Planner, judge: Judge | None = None, going: MayGoOn = lambda: True,

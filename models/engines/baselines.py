@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import shapely
@@ -16,8 +16,7 @@ from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.tuning import ATTEMPTS, WARM_SHARE
 from kerfwise.models.physics.heat.grid import Grid, make_grid
 from kerfwise.models.physics.heat.physical import SheetSimulation
-from kerfwise.models.physics.heat.timed_path import RoutePaths, TimedPath, events_of
-from kerfwise.models.physics.time_and_cost import feeds_of
+from kerfwise.models.physics.heat.timed_path import TimedPath, TorchOn, events_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
@@ -57,14 +56,15 @@ def random_order(problem: Problem, seed: int, first_entry: bool = False) -> tupl
 
 # The strategy Realtime of Verkhoturov et al.: each next contour by the temperature of the sheet at that moment.
 
+Burn = Callable[[int, float, Point], tuple[tuple[TorchOn, ...], float]]
+"""Of a candidate cut next, the time, s, and where the torch is: what it burns, and when it is done."""
 Indices = tuple[np.ndarray[tuple[int], np.dtype[np.int64]], np.ndarray[tuple[int], np.dtype[np.int64]]]
 
 
-def realtime_order(
-    problem: Problem, facts: Facts, heat: Heat, thickness_mm: float, paths: RoutePaths
-) -> tuple[int, ...]:
+def realtime_order(problem: Problem, facts: Facts, heat: Heat, thickness_mm: float, burn: Burn) -> tuple[int, ...]:
     """A lawful route (sites): each time the nearest contour whose metal is cool enough, else the coolest one.
 
+    `burn` tells what a candidate burns that is cut next.
     Raises RulesConflict if nothing lawful was left at some step.
     """
     grid = make_grid(facts.nest, heat.grid_mm)
@@ -82,10 +82,10 @@ def realtime_order(
         site = _nearest(problem, facts, [s for s in options if warm_k[int(of[s])] <= least_k], at)
         walk.take(site)
         number = int(problem.site_candidate[site])
-        burn, now_s = paths.burn(number, now_s, at)
+        burns, now_s = burn(number, now_s, at)
         at = facts.candidates[number].end
-        if burn is not None:
-            sheet.run(events_of(TimedPath((burn,), now_s), grid), now_s)
+        if burns:
+            sheet.run(events_of(TimedPath(burns, now_s), grid), now_s)
     if wrong := broken(problem, walk.route):
         raise RulesConflict(f"the strategy realtime found no lawful order: {wrong[0].sentence}")
     return tuple(walk.route)
@@ -119,6 +119,7 @@ def solve_by(
     profile: ProfileValues,
     statements: tuple[Statement, ...],
     limits: SolveOptions,
+    burn: Burn,
     progress: Progress | None = None,
 ) -> Solution:
     """A route by a plain strategy that keeps every hard statement; soft ones are not looked at.
@@ -133,9 +134,7 @@ def solve_by(
     if strategy == "random":
         route: Sequence[int] = random_order(problem, limits.seed)
     else:
-        feeds, material = feeds_of(profile), profile.material
-        paths = RoutePaths(facts, material.kerf_mm, feeds, limits.home_mm)
-        route = realtime_order(problem, facts, profile.heat, material.thickness_mm, paths)
+        route = realtime_order(problem, facts, profile.heat, profile.material.thickness_mm, burn)
     return Solution(
         route=tuple(problem.site_candidate[list(route)].tolist()),
         objective=route_cost(problem, route) / UM_PER_MM,

@@ -9,12 +9,11 @@ import pytest
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.jobs.heat_control import solve_priced
 from kerfwise.jobs.request import Request, options_for
+from kerfwise.jobs.route_paths import RoutePaths
 from kerfwise.models.engines.solution import Solution
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.heat_prices import HEAT
 from kerfwise.models.physics.heat import simulate
-from kerfwise.models.physics.heat.timed_path import RoutePaths
-from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.pipeline import solve_and_verify
 from kerfwise.rules.profile.profile import Profile
@@ -46,7 +45,7 @@ def test_objective_and_bound_are_those_of_rules_and_simulation() -> None:
     sites = posed().candidate_site[list(solution.route)].tolist()
     assert not broken(posed(), sites)
     profile = plant()
-    path = RoutePaths(facts(), profile.material.kerf_mm, feeds_of(profile), profile.machine.home).of(solution.route)
+    path = RoutePaths(facts(), profile, stated()).of(solution.route)
     overheats = simulate(PLATE, path, profile.heat, profile.material.thickness_mm).overheats
     assert solution.objective == pytest.approx(route_cost(posed(), sites) / UM_PER_MM + 20 * overheats)
     shortest = solve(facts(), stated().statements, LIMITS)

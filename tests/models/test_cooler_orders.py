@@ -8,10 +8,10 @@ import pytest
 
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.jobs.cooler_orders import CoolerOrders
+from kerfwise.jobs.route_paths import RoutePaths
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.physics.heat import simulate
-from kerfwise.models.physics.heat.timed_path import RoutePaths
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.evaluate import broken
 from kerfwise.rules.statements import Statement
@@ -25,8 +25,7 @@ def _few(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def paths() -> RoutePaths:
-    profile = plant()
-    return RoutePaths(facts(), profile.material.kerf_mm, feeds_of(profile), profile.machine.home)
+    return RoutePaths(facts(), plant(), stated())
 
 
 def cooler() -> CoolerOrders:

@@ -17,12 +17,14 @@ import kerfwise
 from kerfwise.apps.resequence.burn_order import _with_chains
 from kerfwise.benchmarks.flattened import said
 from kerfwise.encoder.facts.facts import Copies
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.jobs.plan_without_zones import without_moves
 from kerfwise.models.engines.baselines import solve_by
 from kerfwise.models.engines.minizinc_model import condition_arrays, conditions, data_text
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.heat_prices import HEAT
+from kerfwise.models.physics.heat import TorchOn
 from kerfwise.models.plan.conflict import conflict, order_model
 from kerfwise.models.plan.conflict.core import Way
 from kerfwise.models.plan.conflict.groups import (
@@ -63,6 +65,11 @@ WORDS = {*KINDS, *UNIONS, "by_kind", "lags"}
 """A file without any of these in its text can neither tell kinds apart nor read what is made of them."""
 FACTS = row(PARTS)
 OPTIONS = SolveOptions(work=0.5, home_mm=HOME, feeds=FEEDS)
+
+
+def cold(number: int, now_s: float, at: Point) -> tuple[tuple[TorchOn, ...], float]:
+    """Nothing is burnt."""
+    return (), now_s
 
 
 @dataclass(frozen=True)
@@ -181,7 +188,7 @@ REFUSES: dict[str, list[Refuses]] = {
     "benchmarks/flattened.py": [lambda _: said(INVENTED)],
     "apps/resequence/burn_order.py": [lambda _: list(_with_chains(FACTS, [INVENTED], []))],
     "jobs/plan_without_zones.py": [lambda _: without_moves([INVENTED])],
-    "models/engines/baselines.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS)],
+    "models/engines/baselines.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS, cold)],
 }
 """File → what is called there with the invented statement."""
 

@@ -8,9 +8,9 @@ import pytest
 
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.request import facts_of
+from kerfwise.jobs.route_paths import RoutePaths
 from kerfwise.models.engines.baselines import random_order, realtime_order
 from kerfwise.models.engines.lawful_walk import Walk
-from kerfwise.models.physics.heat.timed_path import RoutePaths
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken
@@ -35,8 +35,8 @@ PLATE = nest(
 
 def posed(plate: Nest, profile: Profile) -> tuple[Problem, RoutePaths]:
     facts, feeds = facts_of(plate, profile), feeds_of(profile)
-    problem = make_problem(facts, state_rules(facts, profile).statements, profile.machine.home, feeds)
-    return problem, RoutePaths(facts, profile.material.kerf_mm, feeds, profile.machine.home)
+    stated = state_rules(facts, profile)
+    return make_problem(facts, stated.statements, profile.machine.home, feeds), RoutePaths(facts, profile, stated)
 
 
 def free() -> Profile:
@@ -92,7 +92,7 @@ def test_realtime_goes_where_it_is_cool() -> None:
 
     def order(power_w: float) -> str:
         heat = replace(profile.heat, absorbed_power_w=power_w)
-        route = realtime_order(problem, facts, heat, 6.0, paths)
+        route = realtime_order(problem, facts, heat, 6.0, paths.burn)
         assert broken(problem, route) == ()
         return "".join(problem.ids[int(problem.site_contour[s])][0] for s in route)
 

@@ -9,15 +9,12 @@ import numpy as np
 import pytest
 
 from kerfwise import InputError
-from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.jobs.simulation import path_of_plan, path_of_program
+from kerfwise.jobs.simulation import path_of_program
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.pacing import hot_spots
-from kerfwise.models.physics.heat.timed_path import RoutePaths, TimedPath, in_order, torch_on
-from kerfwise.models.physics.time_and_cost import feeds_of
-from kerfwise.pipeline import solve_and_verify
+from kerfwise.models.physics.heat.timed_path import TimedPath, in_order, torch_on
 from kerfwise.postproc.clock import read_program
-from kerfwise.rule_kit import circle, nest, part, rect
+from kerfwise.rule_kit import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.plant_sections import Heat
 
@@ -86,33 +83,3 @@ def test_a_program_names_the_line(held: str, waits: str, feed: str, said: str) -
     text, plant = PROGRAM.format(held=held, waits=waits, feed=feed), load_profile()
     with pytest.raises(InputError, match=said):
         path_of_program(read_program(text, PLATE, plant, "slow.nc"), "slow.nc")
-
-
-def test_it_agrees_with_the_plan() -> None:
-    profile = load_profile()
-    plate = nest(
-        400,
-        200,
-        part("A", rect(20, 20, 160, 160), [circle(100, 100, 30)], [[(30, 30), (80, 30)]]),
-        part("B", rect(200, 20, 160, 160)),
-    )
-    facts, machine = facts_of(plate, profile), profile.machine
-    limits = options_for(plate, profile, work=1)
-    plan = solve_and_verify(make_request(facts, profile), profile, limits).plan
-    route = [
-        next(
-            k
-            for k, c in enumerate(facts.candidates)
-            if plate.contours[c.contour].id == p.cut.contour
-            and (c.pierce, c.direction, c.end) == (p.cut.pierce, p.cut.direction, p.cut.end)
-        )
-        for p in plan.cuts
-    ]
-    made = RoutePaths(facts, profile.material.kerf_mm, feeds_of(profile), machine.home).of(route)
-    told = path_of_plan(plan, plate, profile)
-    assert [b.contour for b in made.burns] == [b.contour for b in told.burns]
-    assert "A.mark1" not in [b.contour for b in made.burns]
-    for a, b in zip(made.burns, told.burns, strict=True):
-        assert (a.at_s[0], a.at_s[-1]) == pytest.approx((b.at_s[0], b.at_s[-1]), abs=0.05)
-        assert a.xy[0] == pytest.approx(b.xy[0])
-        assert a.xy[-1] == pytest.approx(b.xy[-1], abs=1e-3)
