@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 Strength = Literal["hard", "soft", "off"]
 Forced = Callable[[str], frozenset[str]]
 """Contour id → the contours that the hard order rules put before it in every plan."""
+SumOfIds = tuple[tuple[tuple[Ids, int], ...], int]
+"""Orders of contour ids (before, after), each with a weight over 0: those that hold come to so much at the least."""
 OptionsT = TypeVar("OptionsT")
 
 OTHER_CUTS = "Links, tabs and other cuts"
@@ -140,6 +142,10 @@ class Rule(ABC, Generic[OptionsT]):
 
     def together(self, nest: Nest, options: OptionsT) -> list[tuple[str, ...]]:
         """Sets of contour ids that the rule keeps free of other contours between them."""
+        return []
+
+    def sums(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[SumOfIds]:
+        """Sums of orders that the rule asks for, found as `pairs` are; what `gives_way` does so to these."""
         return []
 
     def unjudged(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> str | None:

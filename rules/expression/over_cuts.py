@@ -8,10 +8,10 @@ from itertools import pairwise
 
 from kerfwise.encoder.cut import Cut, CutSequence
 from kerfwise.encoder.display import first_and_last
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.statements import Before, Pick
 
-from .node import Apart, Condition, Gate, Lit, NotNext, Run, Stays
+from .node import Apart, Condition, Gate, Lit, Node, NotNext, Run, Stays, parts
 
 Breach = tuple[tuple[str, ...], str, tuple[int, ...]]
 """A breach: contour ids, what is wrong in words, positions of the cuts."""
@@ -36,6 +36,18 @@ def breaches(conditions: Iterable[Condition], nest: Nest, cuts: CutSequence) -> 
     yield from sorted(late, key=lambda breach: breach[2])
     if moves:
         yield from judged.moves(moves)
+
+
+def sums_of_ids(nest: Nest, nodes: Iterable[Node]) -> list[tuple[tuple[tuple[Ids, int], ...], int]]:
+    """Of what nodes ask, the sums of orders: every order (before, after) with its weight, and the least sum."""
+    found = []
+    for node in (part for asked in nodes for part in parts(asked)):
+        terms = node.terms if isinstance(node, Gate) else ()
+        ends = [(of.ends, weight) for of, weight in terms if isinstance(of, Lit) and isinstance(of.atom, Before)]
+        if isinstance(node, Gate) and len(ends) == len(terms):
+            told = tuple(((nest.contours[i].id, nest.contours[j].id), weight) for (i, j), weight in ends)
+            found.append((told, node.bound))
+    return found
 
 
 def out_of_order(first: str, then: str, at: Mapping[str, int]) -> Breach | None:

@@ -19,12 +19,13 @@ from kerfwise.encoder.minizinc_data import Fields, assignments
 from kerfwise.encoder.nearest_name import nearest
 from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.expression.node import MOST_TOLD, Lit, Node, contours_of, orders
+from kerfwise.rules.expression.over_cuts import sums_of_ids
 from kerfwise.rules.minizinc.twin import Further, TwinCase, twin_of
 from kerfwise.rules.options.kind import Flag, Number, OptionKind, Text
 from kerfwise.rules.options.option import NoOptions, option
 from kerfwise.rules.own.known_nest import attributes
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.rule import USUAL, Rule, RuleFile, Strength, Violation
+from kerfwise.rules.rule import USUAL, Rule, RuleFile, Strength, SumOfIds, Violation
 from kerfwise.rules.statements import Statement
 
 from .model_file import ModelFile, Parameter, files_read, read_model_file, states, whole_text, without_comments
@@ -270,6 +271,12 @@ class ModelRule(Rule[Any]):
         if not cuts or self.unjudged(nest, cuts, options) is not None:
             return []
         return self._orders(nest, self._measured(nest, cuts, options))
+
+    def sums(self, nest: Nest, cuts: CutSequence, options: Any) -> list[SumOfIds]:
+        if not cuts or self.unjudged(nest, cuts, options) is not None:
+            return []
+        flat = self._measured(nest, cuts, options)
+        return sums_of_ids(nest, (*flat.elements, *flat.further))
 
     def pairs_of_nest(self, nest: Nest, options: Any) -> list[Ids]:
         """The same before there are cuts; none of a file that looks at zones, at the start side or at ways to cut."""

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Ids, Nest
-from kerfwise.rules.expression.over_cuts import breaches
+from kerfwise.rules.expression.node import Gate
+from kerfwise.rules.expression.over_cuts import breaches, sums_of_ids
 from kerfwise.rules.expression.to_statements import statement_of
 from kerfwise.rules.options.quantities import LENGTH
 from kerfwise.rules.options.yaml_positions import Place as FilePlace
-from kerfwise.rules.rule import USUAL, Plate, Rule, Strength, Violation
+from kerfwise.rules.rule import USUAL, Plate, Rule, Strength, SumOfIds, Violation
 from kerfwise.rules.statements import About, Statement
 
 from .demands import DEMANDS, Chosen, Demand
@@ -147,6 +148,12 @@ class PlantRule(Rule[Thresholds]):
         contours = nest.contours
         found = self.rule.ask.pairs(self._chosen(nest, cuts, options))
         return [(contours[a].id, contours[b].id) for a, b in found]
+
+    def sums(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> list[SumOfIds]:
+        if self.unjudged(nest, cuts, options) is not None:
+            return []
+        asked = self.rule.ask.conditions(self._chosen(nest, cuts, options))
+        return sums_of_ids(nest, (of.asked for of in asked if isinstance(of.asked, Gate)))
 
     def together(self, nest: Nest, options: Thresholds) -> list[tuple[str, ...]]:
         if "zone" in self.rule.facts():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -27,6 +27,7 @@ from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, IdleTravel, Precede, Statement, by_kind
 
 from .feasible_order import links_to_drop, position_clashes, positions
+from .feasible_sums import links_to_drop_for_sums, sums_of_orders
 from .lazy_statements import asked_of_torches, in_held_metal
 from .reduced_statements import GantryStatements, remaining_statements, rest_of
 from .statement_costs import begun_first, late_parts, link_offers, open_ways, slower_ways, soften
@@ -102,7 +103,8 @@ def state_rules(facts: Facts, profile: Technique, by_other_zones: Stated | None 
     statements, exempt = every_statement(facts, profile, known)
     if alone := hopeless(statements):
         raise RulesConflict(HOPELESS, tuple(about.sentence for about in alone))
-    resolved = resolve(statements, facts.n, {name: rule.gives_way for name, rule in profile.rulebook().items()})
+    book = profile.rulebook()
+    resolved = resolve(statements, facts.n, {name: rule.gives_way for name, rule in book.items()}, rules_of_sums(book))
     return replace(resolved, exempt=exempt)
 
 
@@ -226,10 +228,18 @@ def _objective(facts: Facts, profile: Technique) -> list[Statement]:
     ]
 
 
-def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int]) -> Stated:
+def rules_of_sums(book: Mapping[str, Rule[Any]]) -> frozenset[str]:
+    """The rules whose sums of orders the check sees, so that it lets orders give way to them."""
+    return frozenset(name for name, rule in book.items() if type(rule).sums is not Rule.sums)
+
+
+def resolve(
+    statements: Sequence[Statement], n: int, gives_way: Mapping[str, int], of_sums: Collection[str] = ()
+) -> Stated:
     """The statements without those that must be dropped to leave the hard orders over n contours free of cycles.
 
-    Where a contour has a firm position, orders that leave it no such position are dropped as well.
+    Where a contour has a firm position, orders that leave it no such position are dropped as well, and so are those
+    beside which hard sums of orders of rules `of_sums` cannot hold.
 
     The weakest rules give way first (`gives_way`, the highest first; 0 never), and as few of their orders as can be.
     """
@@ -260,9 +270,12 @@ def resolve(statements: Sequence[Statement], n: int, gives_way: Mapping[str, int
     if late and dropped:  # chosen one after the other they may be more than need be
         jointly = _jointly(statements, n, gives_way)
         if jointly is not None:
-            return Stated(tuple(_without(statements, jointly)), tuple(jointly))
-        dropped = [replace(d, why=f"{d.why}{NOT_SHOWN}") for d in dropped]
-    return Stated(tuple(_without(left, late)), (*dropped, *late))
+            dropped, late = jointly, []
+        else:
+            dropped = [replace(d, why=f"{d.why}{NOT_SHOWN}") for d in dropped]
+    left = _without(statements, [*dropped, *late])
+    for_sums = _links_to_drop_for_sums(left, n, gives_way, of_sums)
+    return Stated(tuple(_without(left, for_sums)), (*dropped, *late, *for_sums))
 
 
 def _without(statements: Sequence[Statement], dropped: Sequence[DroppedStatement]) -> Sequence[Statement]:
@@ -335,6 +348,27 @@ def _links_to_drop_for_positions(
     out, shown = links_to_drop(n, links, _weights(list(asking.values()), gives_way), runs, at) or ([], True)
     place = _place_because(kinds.at_least, n) + ("" if shown else NOT_SHOWN)
     return [DroppedStatement(order, place) for k in out for order in asking[links[k]]]
+
+
+def _links_to_drop_for_sums(
+    statements: Sequence[Statement], n: int, gives_way: Mapping[str, int], of_sums: Collection[str]
+) -> list[DroppedStatement]:
+    """The orders that must go so that sums of orders can hold; those of zones do not count where zones must yield."""
+    sums = [s for s in sums_of_orders(statements) if s.about.rule in of_sums] if of_sums else []
+    if not sums:
+        return []
+    asking = _asking(statements)
+    runs = [s.contours for s in by_kind(statements).contiguous if s.weight is None]
+    of_zones = {name for name, rule in RULES.items() if rule.makes_zones}
+    unzoned = _asking([s for s in statements if s.about.rule not in of_zones])
+    for some in (asking, unzoned):
+        links = list(some)
+        found = links_to_drop_for_sums(n, links, _weights(list(some.values()), gives_way), runs, sums)
+        if found is not None:
+            out, shown = found
+            why = f"sum: {', '.join(dict.fromkeys(s.about.rule for s in sums))}{'' if shown else NOT_SHOWN}"
+            return [DroppedStatement(order, why) for k in out for order in some[links[k]]]
+    return []
 
 
 def _weights(asking: Sequence[Sequence[Precede]], gives_way: Mapping[str, int]) -> list[int | None]:

@@ -25,7 +25,15 @@ from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import RELAXED_MM, About, Statement, by_kind
-from kerfwise.rules.stating.state_rules import HOPELESS, DroppedStatement, Stated, every_statement, hopeless, resolve
+from kerfwise.rules.stating.state_rules import (
+    HOPELESS,
+    DroppedStatement,
+    Stated,
+    every_statement,
+    hopeless,
+    resolve,
+    rules_of_sums,
+)
 from kerfwise.rules.stating.statement_costs import COMMON
 
 from .core import Core, Engines, find_core, find_whole_core
@@ -156,7 +164,7 @@ def state_relaxed(facts: Facts, profile: Profile, *, deadline: Deadline | None =
     relaxed = set(out)
     never_met = set(hopeless(statements))
     left = [s for s in soften(statements, relaxed) if s.about not in never_met]  # they would only add to every cost
-    resolved = resolve(left, facts.n, _gives_way(profile))
+    resolved = resolve(left, facts.n, _gives_way(profile), rules_of_sums(profile.rulebook()))
     given_up = {s.about: s for s in statements if s.weight is None and s.about in relaxed}
     dropped = tuple(DroppedStatement(s, f"{RELAXED}{about.sentence}") for about, s in given_up.items())
     return replace(resolved, dropped=(*resolved.dropped, *dropped), exempt=exempt)
@@ -238,7 +246,9 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
                 finder.compared = not more
                 return tuple(out)
             left = soften(statements, first)
-            best, finder.compared = cheapest(finder.engines, left, out[len(first) :], clashes, _gives_way(profile))
+            best, finder.compared = cheapest(
+                finder.engines, left, out[len(first) :], clashes, _gives_way(profile), rules_of_sums(book)
+            )
             return (*first, *best)
         more += len(found.groups)
         clashes += found.clashes
@@ -249,7 +259,7 @@ def _asked(facts: Facts, profile: Profile, statements: Sequence[Statement]) -> S
     """The statements once cycles are resolved; where that is impossible, without the orders that give way."""
     gives_way = _gives_way(profile)
     try:
-        return resolve(statements, facts.n, gives_way).statements
+        return resolve(statements, facts.n, gives_way, rules_of_sums(profile.rulebook())).statements
     except RulesConflict:
         without = {s for s in by_kind(statements).precede if gives_way[s.about.rule]}
         return [s for s in statements if s not in without]
@@ -400,6 +410,7 @@ def cheapest(
     found: Sequence[About],
     clashes: Collection[frozenset[About]],
     gives_way: Mapping[str, int],
+    of_sums: Collection[str] = (),
 ) -> tuple[tuple[About, ...], bool]:
     """What should give way in place of `found`: as many statements, no more of them locks, and one of each clash.
 
@@ -410,12 +421,12 @@ def cheapest(
     if not sets or engines.facts.n > MOST_CONTOURS:
         return tuple(found), whole and not sets
     deadline, began = engines.deadline, engines.deadline.left
-    best, (cost, first) = tuple(found), _cost(engines, statements, found, gives_way)
+    best, (cost, first) = tuple(found), _cost(engines, statements, found, gives_way, of_sums=of_sums)
     took = began - deadline.left
     for way in sets:
         if deadline.left <= 0 or (deadline.timed and deadline.left < took):
             return best, False
-        other, problem = _cost(engines, statements, way, gives_way, first)
+        other, problem = _cost(engines, statements, way, gives_way, first, of_sums)
         alike = first is None or problem is None or first.left_out == problem.left_out
         if other is not None and alike and (cost is None or other < cost):
             best, cost, first = way, other, problem
@@ -447,6 +458,7 @@ def _cost(
     relaxed: Sequence[About],
     gives_way: Mapping[str, int],
     earlier: Problem | None = None,
+    of_sums: Collection[str] = (),
 ) -> tuple[int | None, Problem | None]:
     """The cost of the best plan that was found once these have given way, µm, and the problem that it solves.
 
@@ -458,7 +470,7 @@ def _cost(
     most_s = min(CHEAPEST_WORK, SHARE * max(deadline.left, 0.0))
     until = deadline.left - MOVES * most_s
     try:
-        stated = resolve(soften(statements, relaxed), engines.facts.n, gives_way).statements
+        stated = resolve(soften(statements, relaxed), engines.facts.n, gives_way, of_sums).statements
         problem = make_problem(
             engines.facts,
             stated,

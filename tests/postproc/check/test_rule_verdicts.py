@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.postproc.check import rule_verdicts
-from kerfwise.postproc.check.rule_verdicts import Forcing, HardOrders, Room
+from kerfwise.postproc.check.hard_orders import Forcing, HardOrders
+from kerfwise.postproc.check.rule_verdicts import Room
 from kerfwise.rule_kit import CutSequence
 from kerfwise.tests.postproc.plans import good_cuts, plate, profile
 

@@ -1,0 +1,177 @@
+"""Whether hard sums of orders can hold beside orders that are kept: a share of all cutting within which a part is out.
+
+What must come before what is followed through all orders first. Where that says nothing, a small model of its own
+answers: of each contour that sums are about, what is cut before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kerfwise.arrays import Ints
+from kerfwise.encoder.graphs import Link
+from kerfwise.encoder.nest import Ids
+
+from .hard_orders import HardOrders
+
+if TYPE_CHECKING:
+    from ortools.sat.python.cp_model import CpModel, IntVar
+
+WORK, WORK_IN_ALL = 5.0, 20.0
+"""CP-SAT's deterministic seconds for a question, and for all; what they do not refute counts as possible."""
+MOST_CELLS = 100_000
+"""Where the model had more variables, sums count as possible."""
+
+SumOfOrders = tuple[tuple[tuple[Link, int], ...], int]
+"""Orders (before, after), each with a weight above 0, and what the weights of those that are kept come to at least."""
+
+
+def beside_sums(
+    orders: HardOrders, pairs: Ints, asked_by: Sequence[str], runs: Sequence[Sequence[int]], holding: set[str]
+) -> dict[Ids, str]:
+    """Every broken order that leaves the sums of orders of rules no way to hold, beside the orders that are kept."""
+    book, names, size = orders.profile.rulebook(), orders.names, len(orders.cuts.positions())
+    ranks = np.array([book[rule].gives_way for rule in asked_by], dtype=np.int64)
+    links = [(a, b) for a, b in pairs.tolist()]
+    kept = orders.at[pairs[:, 0]] < orders.at[pairs[:, 1]] if links else np.zeros(0, dtype=bool)
+    broken = np.flatnonzero(~kept & (ranks > 0)).tolist()
+    number = {name: k for k, name in enumerate(names)}
+    sums, asking = [], []
+    for rule in sorted(orders.hard.keys() & holding) if broken else ():
+        for terms, bound in book[rule].sums(orders.nest, orders.cuts, orders.hard[rule].options):
+            told = tuple(((number[a], number[b]), w) for (a, b), w in terms if a in number and b in number)
+            if len(told) == len(terms) and all(max(link) < size for link, _ in told):
+                sums.append((told, bound))
+                asking.append(rule)
+    if not sums:
+        return {}
+    made = [(k, k + 1) for k in range(min(orders.cuts.made, size - 1))]
+    room, found = SumsRoom(size, runs, sums), {}
+    firm = {
+        rank: made + [links[k] for k in np.flatnonzero(kept & (ranks <= rank)).tolist()]
+        for rank in sorted(set(ranks[broken].tolist()))
+    }
+    for k in broken:
+        if room.none(firm[int(ranks[k])], links[k]):
+            rules = ", ".join(dict.fromkeys(asking))
+            found[names[links[k][0]], names[links[k][1]]] = f"beside this order no plan could keep {rules}"
+    return found
+
+
+class SumsRoom:
+    """Answers whether sums can hold in an order of `n` things that keeps `runs` together.
+
+    Examples
+    --------
+    >>> early = (((2, 0), 1), ((2, 1), 1)), 1
+    >>> SumsRoom(3, (), [early]).none([(0, 1)], (1, 2)), SumsRoom(3, (), [early]).none([(0, 2)], (0, 1))
+    (True, False)
+    """
+
+    def __init__(self, n: int, runs: Sequence[Sequence[int]], sums: Sequence[SumOfOrders]) -> None:
+        self._n, self._runs, self._sums = n, [set(run) for run in runs], sums
+        self._pivots = self._few_that_meet_all({link for terms, _ in sums for link, _ in terms})
+        self._left = WORK_IN_ALL if len(self._pivots) ** 2 * n <= MOST_CELLS else 0.0
+        self._asked: tuple[Sequence[Link], CpModel] | None = None
+
+    def none(self, kept: Sequence[Link], more: Link) -> bool:
+        """Whether no order of all things keeps the runs, these orders and one more, and the sums."""
+        return self._short([*kept, more]) or (self._left > 0 and self._refuted(kept, more))
+
+    def _of_runs(self, orders: Iterable[Link]) -> list[Link]:
+        """The orders, those into and out of a run asked of all that is in it."""
+        found = dict.fromkeys(orders)
+        for before, after in tuple(found):
+            for run in self._runs:
+                if (before in run) != (after in run):
+                    found |= dict.fromkeys((before, k) if after in run else (k, after) for k in sorted(run))
+        return list(found)
+
+    def _short(self, orders: Sequence[Link]) -> bool:
+        """Whether a sum comes to too little by what must come before what alone."""
+        behind: list[list[int]] = [[] for _ in range(self._n)]
+        for before, after in self._of_runs(orders):
+            behind[before].append(after)
+        reached: dict[int, set[int]] = {}
+
+        def leads(start: int, to: int) -> bool:
+            if start not in reached:
+                seen, waiting = {start}, [start]
+                while waiting:
+                    new = set(behind[waiting.pop()]) - seen
+                    seen |= new
+                    waiting += new
+                reached[start] = seen - {start}
+            return to in reached[start]
+
+        return any(
+            sum(weight for (before, after), weight in terms if not leads(after, before)) < bound
+            for terms, bound in self._sums
+        )
+
+    def _refuted(self, kept: Sequence[Link], more: Link) -> bool:
+        """Whether the model shows that the sums cannot hold."""
+        from ortools.sat.python.cp_model import INFEASIBLE, CpSolver
+
+        if self._asked is None or self._asked[0] is not kept:
+            self._asked = kept, self._model(kept)
+        model = self._asked[1].clone()
+        self._ask(model, [more])
+        solver = CpSolver()
+        solver.parameters.num_workers = 1
+        solver.parameters.random_seed = 1
+        solver.parameters.catch_sigint_signal = False
+        solver.parameters.max_deterministic_time = min(WORK, self._left)
+        answer = solver.solve(model)
+        self._left -= solver.response_proto.deterministic_time
+        return bool(answer == INFEASIBLE)
+
+    def _model(self, kept: Sequence[Link]) -> CpModel:
+        """For each pivot and each thing, in turn, whether the thing comes before the pivot."""
+        from ortools.sat.python.cp_model import CpModel
+
+        model = CpModel()
+        early = {p: [model.new_bool_var("") for _ in range(self._n)] for p in self._pivots}
+        for p, before_p in early.items():
+            model.add(before_p[p] == 0)
+            for q in (q for q in early if q != p):
+                if p < q:
+                    model.add_exactly_one(before_p[q], early[q][p])
+                for k in range(self._n):
+                    model.add_implication(before_p[k], early[q][k]).only_enforce_if(early[q][p])
+            for run in self._runs:
+                members = [before_p[k] for k in sorted(run)]
+                if p not in run:
+                    for one in members[1:]:
+                        model.add(one == members[0])
+        for terms, bound in self._sums:
+            total = [w * (early[b][a] if b in early else early[a][b].negated()) for (a, b), w in terms]
+            model.add(sum(total) >= bound)
+        self._ask(model, kept)
+        return model
+
+    def _ask(self, model: CpModel, orders: Iterable[Link]) -> None:
+        """Put orders to a model."""
+
+        def early(number: int, k: int) -> IntVar:
+            return model.get_bool_var_from_proto_index(number * self._n + k)
+
+        for number, p in enumerate(self._pivots):
+            for before, after in self._of_runs(orders):
+                if after == p:
+                    model.add(early(number, before) == 1)
+                else:
+                    model.add_implication(early(number, after), early(number, before))
+
+    @staticmethod
+    def _few_that_meet_all(links: set[Link]) -> list[int]:
+        """Few things of which every order has one: those first that the most orders have."""
+        found, left = [], sorted(links)
+        while left:
+            ends = [k for link in left for k in link]
+            found.append(max(sorted(set(ends)), key=ends.count))
+            left = [link for link in left if found[-1] not in link]
+        return found
