@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from ezdxf.entities.dxfgfx import DXFGraphic
 from ezdxf.entities.insert import Insert
 from ezdxf.entities.point import Point
 from ezdxf.filemanagement import readfile
+from ezdxf.math import Vec3
 
 from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import REPAIR, InputError
@@ -47,9 +49,11 @@ from .dxf_entities import (
     entities,
     is_tilted,
     layer_of,
+    points_in_space,
     width_of,
 )
 from .dxf_text import DXF_ERRORS, cross, is_written, middle_of_point, name_of, written
+from .fit_arcs import FIT_MM, FLATTEN_MM
 from .layers import counted
 from .options import DXF_UNITS, ReadOptions, are_inches, dxf_units, mm_of
 
@@ -87,7 +91,7 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | Non
     texts, hidden_notes = texts_seen(read.texts)
     near, texts, far_notes = brought_near(pieces, texts)
     notes = (*notes, *unread.notes(options.layers), *clip_notes, *hidden_notes, *far_notes)
-    notes = (*notes, *_doubts(document, shown))
+    notes = (*notes, *_doubts(document, shown, mm_of(units) or 1.0))
     if document.modelspace() or not near:
         notes = (*notes, *_paper(document))
     if not near:
@@ -157,13 +161,26 @@ def _paper(document: Document) -> tuple[Note, ...]:
     return (Note("warning", f"left out: {which} in paper space, where a drawing is printed from"),) if count else ()
 
 
-def _doubts(document: Document, shown: Sequence[Placed]) -> Iterator[Note]:
+def _doubts(document: Document, shown: Sequence[Placed], scale: float) -> Iterator[Note]:
     """A word on what is read as it is seen from above, and on what no print shows."""
+    rising = [(placed, scale * _foreshortening(points_in_space(placed.entity))) for placed in shown]
+    if rising := [(placed, lost_mm) for placed, lost_mm in rising if lost_mm > FLATTEN_MM + FIT_MM]:
+        most, lost_mm = max(rising, key=lambda one: one[1])
+        x, y, _ = points_in_space(most.entity)[0] * scale
+        text = f"drawn at heights that vary, and read as seen from above: {counted(p.layer for p, _ in rising)}"
+        where = f"the {most.entity.dxftype()} at ({x:.3f}, {y:.3f}), {lost_mm:.3f} mm shorter than it is drawn"
+        yield Note("warning", f"{text}; most of all {where}")
     if tilted := [placed.layer for placed in shown if is_tilted(placed.entity)]:
         yield Note("warning", f"drawn on a tilted plane, and read as it is seen from above: {counted(tilted)}")
     unprinted = {name_of(str(x.dxf.name)).lower() for x in document.layers if not x.dxf.get("plot", 1)} - {"defpoints"}
     if drawn := [placed.layer for placed in shown if placed.layer.lower() in unprinted]:
         yield Note("warning", f"on layers that are never printed, and read like all others: {counted(drawn)}")
+
+
+def _foreshortening(points: Sequence[Vec3]) -> float:
+    """How much longer a line is than it is seen from above."""
+    steps = (b - a for a, b in pairwise(points))
+    return sum((step.magnitude - step.vec2.magnitude for step in steps), 0.0)
 
 
 def _on_paper(document: Document, hidden: Hidden, unread: Unread, asking: Asking) -> list[Placed]:

@@ -19,6 +19,7 @@ from ezdxf.entities.attrib import AttDef
 from ezdxf.entities.circle import Circle
 from ezdxf.entities.dxfentity import DXFEntity, DXFTagStorage
 from ezdxf.entities.dxfgfx import DXFGraphic
+from ezdxf.entities.dxfns import DXFNamespace
 from ezdxf.entities.ellipse import Ellipse
 from ezdxf.entities.insert import Insert
 from ezdxf.entities.line import Line
@@ -230,7 +231,7 @@ def curve(entity: DXFGraphic, scale: float) -> Curve | None:
             spline = entity.construction_tool()
             return _flattened(spline if spline.is_clamped else Unclamped(spline), spline.control_points, scale)
         case Polyline() if entity.is_3d_polyline:
-            return _polyline(OCS(), [(*v.dxf.location, 0.0) for v in entity.vertices], entity.is_closed, 1.0, scale)
+            return _polyline(OCS(), [(*v.location, 0.0) for v in _vertices(entity)], entity.is_closed, 1.0, scale)
         case Arc() | Circle() | LWPolyline():
             pass
         case Polyline() if entity.is_2d_polyline:
@@ -249,9 +250,8 @@ def curve(entity: DXFGraphic, scale: float) -> Curve | None:
         case LWPolyline():
             points = [(x, y, 0.0, b) for x, y, b in entity.get_points("xyb")]
             return _polyline(entity.ocs(), points, entity.closed, _tilt(entity), scale)
-        case _:  # the control points (16) of a smoothed POLYLINE are no part of the line
-            vertices = [v.dxf for v in entity.vertices if not v.dxf.get("flags", 0) & 16]
-            points = [(*v.location, float(v.get("bulge", 0.0))) for v in vertices]
+        case _:
+            points = [(*v.location, float(v.get("bulge", 0.0))) for v in _vertices(entity)]
             return _polyline(entity.ocs(), points, entity.is_closed, _tilt(entity), scale)
 
 
@@ -268,6 +268,22 @@ def is_tilted(entity: DXFGraphic) -> bool:
     """Whether the plane that an entity is drawn on is seen at an angle from above."""
     is_flat = entity.is_2d_polyline if isinstance(entity, Polyline) else isinstance(entity, FLAT)
     return is_flat and abs(abs(_tilt(entity)) - 1) > ROUND
+
+
+def _vertices(line: Polyline) -> list[DXFNamespace]:
+    """The vertices of a POLYLINE; the control points (16) of a smoothed one are no part of the line."""
+    return [v.dxf for v in line.vertices if not v.dxf.get("flags", 0) & 16]
+
+
+def points_in_space(entity: DXFGraphic) -> list[Vec3]:
+    """The points of a line that is drawn on no plane: ends, vertices, control points of a spline; [] for all others."""
+    if isinstance(entity, Line):
+        return [entity.dxf.start, entity.dxf.end]
+    if isinstance(entity, Spline):
+        return list(Vec3.generate(entity.control_points if len(entity.control_points) else entity.fit_points))
+    if isinstance(entity, Polyline) and entity.is_3d_polyline:
+        return [v.location for v in _vertices(entity)]
+    return []
 
 
 def _arc(circle: Circle, start_rad: float, sweep_rad: float, tilt: float, scale: float) -> Curve:

@@ -1,6 +1,7 @@
 """Each kind of entity as a CAD system writes it, and what is made of it."""
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -64,10 +65,48 @@ def test_a_3d_polyline_is_seen_from_above(tmp_path: Path) -> None:
     assert areas_of(only(tmp_path, lambda s: s.add_polyline3d(points, close=True))) == 800
 
 
-def test_the_control_points_of_a_smoothed_polyline_are_no_part_of_it(tmp_path: Path) -> None:
+STAIRS = [(10, 10, 0), (50, 10, 30), (50, 50, 0)]
+MARK = {"layer": "Mark"}
+
+
+def turned_up(space: Any) -> None:
+    """A flat line in a block that is turned up by a right angle about x."""
+    space.doc.blocks.new("flat").add_line((0, 0), (40, 30))
+    space.add_blockref("flat", (10, 0, 50), dxfattribs=MARK | {"extrusion": (0, -1, 0)})
+
+
+@pytest.mark.parametrize(
+    ("draw", "kind", "lost_mm"),
+    [
+        (lambda space: space.add_line(*STAIRS[:2], MARK), "LINE", 10),
+        (lambda space: space.add_polyline3d(STAIRS, dxfattribs=MARK), "POLYLINE", 20),
+        (lambda space: space.add_open_spline(STAIRS, 2, dxfattribs=MARK), "SPLINE", 20),
+        (lambda space: space.add_spline(STAIRS, dxfattribs=MARK), "SPLINE", 20),
+        (lambda space: space.add_helix(5, 20, 3, dxfattribs=MARK).translate(10, 10, 0), "HELIX", None),
+        (turned_up, "LINE", 10),
+    ],
+)
+def test_lines_whose_height_varies_are_told_with_their_place(
+    tmp_path: Path, draw: Callable[[Any], object], kind: str, lost_mm: float | None
+) -> None:
+    def with_part(space: Any) -> None:
+        lines(space, square(0, 0, 90))
+        space.add_line((10, 80, 0), (80, 80, 1), MARK)  # 7 micrometres longer than it is seen
+        draw(space)
+
+    (told,) = [text for text in texts(read_dxf(tmp_path, with_part).notes) if "heights" in text]
+    assert told.startswith("drawn at heights that vary, and read as seen from above: 1 on 'Mark'; most of all ")
+    assert f"the {kind} at (1" in told
+    assert lost_mm is None or told.endswith(f"{lost_mm:.3f} mm shorter than it is drawn")
+
+
+@pytest.mark.parametrize("kind", ["2d", "3d"])
+def test_the_control_points_of_a_smoothed_polyline_are_no_part_of_it(tmp_path: Path, kind: str) -> None:
     def draw(space: Any) -> None:
-        line = space.add_polyline2d(square(10, 10, 50), close=True)
-        line.vertices[1].dxf.flags = 16
+        corners = square(10, 10, 50)
+        flat = kind == "2d"
+        line = space.add_polyline2d(corners, close=True) if flat else space.add_polyline3d(corners, close=True)
+        line.vertices[1].dxf.flags = 16 if flat else 16 + 32
 
     assert areas_of(only(tmp_path, draw)) == 1250
 
