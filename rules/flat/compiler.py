@@ -63,7 +63,7 @@ def compiled_within(seconds: float) -> Iterator[None]:
         _ENDS_S.reset(before)
 
 
-def expect_in_time(about: Path) -> None:
+def expect_in_time(about: Path | None) -> None:
     """An error about a rule that is read, once what all rules may take together is over."""
     if time.monotonic() > _ENDS_S.get():
         raise InputError(
@@ -240,10 +240,11 @@ class FlatZinc:
     constraints: list[Constraint] = field(default_factory=list)
 
 
-def read_flatzinc(text: str) -> FlatZinc:
+def read_flatzinc(text: str, about: Path | None = None) -> FlatZinc:
     """Read a flat model; names of arrays and constants are replaced by what they stand for.
 
-    Raises ValueError for a line that is no FlatZinc; MiniZinc writes none.
+    Raises ValueError for a line that is no FlatZinc; MiniZinc writes none. InputError about the rule file, as
+    `expect_in_time`.
 
     Examples
     --------
@@ -255,6 +256,7 @@ def read_flatzinc(text: str) -> FlatZinc:
     known: dict[str, Value] = {}
     for line in text.splitlines():
         line = line.strip()
+        expect_in_time(about)
         if not line or line.startswith(("predicate", "solve", "%")):
             continue
         if (found := _CONSTRAINT.match(line)) is not None:

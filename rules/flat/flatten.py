@@ -91,12 +91,12 @@ def flatten(file: ModelFile, data: str, n: int, contour_of: Sequence[int], other
         return _kept[key]
     flatzinc = compiled(file, text)
     try:
-        flat = read_flatzinc(flatzinc.flat)
+        flat = read_flatzinc(flatzinc.flat, file.path)
         kept = [c for c in flat.constraints if c.name.startswith(KEPT)]
         flat.arrays.clear()
         flat.arrays.update({c.name.removeprefix(KEPT): c.args[0] for c in kept if isinstance(c.args[0], list)})
         flat.constraints[:] = [c for c in flat.constraints if not c.name.startswith(KEPT)]
-        meaning = Meaning(flat, Words(n, contour_of))
+        meaning = Meaning(flat, Words(n, contour_of), file.path)
         elements = tuple(meaning.elements(file.array))
         further = tuple(meaning.further())
         beside = tuple(tuple(meaning.elements(name)) for name in others)
@@ -133,7 +133,7 @@ def judge_order(file: ModelFile, data: str) -> JudgedOrder:
     `data` are the facts that the check has measured, and when each contour is cut.
     """
     flatzinc = compiled(file, _model(file, data, (), judged=True))
-    flat = read_flatzinc(flatzinc.flat)
+    flat = read_flatzinc(flatzinc.flat, file.path)
     holds: list[bool] = []
     possible = True
     for constraint in flat.constraints:

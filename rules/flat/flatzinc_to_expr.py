@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 from kerfwise.rules.expression.node import Lit, Next, Node, all_of, any_of, iff, is_certain, opposite, order, parts
 from kerfwise.rules.expression.numbers import (
@@ -28,7 +29,7 @@ from kerfwise.rules.expression.numbers import (
 )
 from kerfwise.rules.statements import Pick
 
-from .compiler import Constraint, FlatZinc, Value
+from .compiler import Constraint, FlatZinc, Value, expect_in_time
 
 
 class UnsupportedModel(ValueError):
@@ -80,10 +81,13 @@ MOST_MULTIPLIED = 40_000
 
 
 class Meaning:
-    """Reads one flat model. `elements` of an array, and `further`: what constraints of the file ask besides."""
+    """Reads one flat model. `elements` of an array, and `further`: what constraints of the file ask besides.
 
-    def __init__(self, flat: FlatZinc, words: Words) -> None:
-        self._flat, self._n = flat, words.n
+    `about` is the rule file: reading it ends with an InputError once the time for it is over, as `expect_in_time`.
+    """
+
+    def __init__(self, flat: FlatZinc, words: Words, about: Path | None = None) -> None:
+        self._flat, self._n, self._about = flat, words.n, about
         self._bools: dict[str, Node] = {}
         self._sums: dict[str, Sum] = {}
         self._asked: list[Node] = []
@@ -201,6 +205,7 @@ class Meaning:
 
     def _bool_definition(self, c: Constraint, name: str) -> Node:
         """The node of a bool that a constraint defines: its last argument, or the other one of two."""
+        expect_in_time(self._about)
         if c.name.endswith("_reif") and c.args[-1] == name:
             return self._holds(c.name.removesuffix("_reif"), c.args[:-1])
         if c.name in ("bool_eq", "bool_not") and name in c.args:
@@ -312,6 +317,7 @@ class Meaning:
 
     def _int_definition(self, c: Constraint, name: str) -> Sum:
         """The number that a constraint defines."""
+        expect_in_time(self._about)
         args, one = c.args, self._sum
         functions: Mapping[str, Callable[[int, int], int]] = {"int_div": _div, "int_mod": _mod, "int_pow": pow}
         match c.name:

@@ -143,10 +143,14 @@ def find_conflict(facts: Facts, profile: Profile, deadline: Deadline | None = No
     core = finder.core(hard_groups(_asked(facts, profile, statements)), deadline.part(CORE))
     if core is None:
         return None
-    clash = tuple(group.about for group in core.groups)
+    clash, book = tuple(group.about for group in core.groups), profile.rulebook()
     stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
     clashing = by_kind(s for group in core.groups for s in group.statements)
     forbidden = {s.candidate for s in clashing.forbid}
+    rules = dict.fromkeys(about.rule for about in clash)
+    softer = [r for r in rules if r in book and book[r].may_be_relaxed and "soft" in book[r].strengths]
+    if stuck == NOT_FOUND and softer:
+        stuck += f", or make {' or '.join(softer)} soft or off"
     notes = (*_only_ways(facts, profile, forbidden), *_without_common_cuts(clash))
     return Conflict(clash, core.minimal, relax, stuck, notes, compared=finder.compared)
 
@@ -205,7 +209,7 @@ class _Finder:
 
 NOT_FOUND = (
     "no way out was found within the limit (none is proven impossible): rules were relaxed one after the other; try a "
-    "longer limit, such as --work 60 (in Python work=60), or make one of these rules soft or off"
+    "longer limit, such as --work 60 (in Python work=60)"
 )
 
 

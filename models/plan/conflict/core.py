@@ -24,7 +24,7 @@ from kerfwise.rules.statements import (
 )
 from kerfwise.rules.stating.feasible_order import order_in_runs
 
-from .groups import DEFAULT_WORK, CanClash, Group, NotAnswered, drop_unneeded_rules, shrink, suspects
+from .groups import DEFAULT_WORK, CanClash, Group, NotAnswered, NothingLeft, drop_unneeded_rules, shrink, suspects
 from .order_conflicts import Orders, bounds, clash_of_orders, forced, is_exact, orders_of
 from .order_model import clash, clash_at_once
 
@@ -154,7 +154,7 @@ class Engines:
         Raises NotAnswered if neither was shown, or all work is done.
         """
         if self.left <= 0 or self.deadline.left <= 0:
-            raise NotAnswered
+            raise NothingLeft
         statements = tuple(s for group in groups for s in group.statements)
         try:
             problem = simplify(make_problem(self.facts, statements, self.home_mm, self.feeds, going=self._going))

@@ -120,10 +120,14 @@ class NotAnswered(Exception):
     """The question was too hard for the work allowed."""
 
 
+class NothingLeft(NotAnswered):
+    """No question is answered any more: all work, or time, is spent."""
+
+
 def solver_within(deadline: Deadline, most: float) -> CpSolver:
-    """A solver that stops when `most` work, or what is left, is done. Raises NotAnswered if nothing is left."""
+    """A solver that stops when `most` work, or what is left, is done. Raises NothingLeft if nothing is left."""
     if deadline.left <= 0:
-        raise NotAnswered
+        raise NothingLeft
     solver = quiet_solver(most)
     if deadline.timed:
         solver.parameters.max_time_in_seconds = deadline.left
@@ -160,6 +164,8 @@ def drop_unneeded_rules(core: list[Group], gives_way: Mapping[str, int], clash: 
         try:
             if clash(without) is not None:
                 core = without
+        except NothingLeft:
+            break
         except NotAnswered:
             continue  # shrinking asks again, of less at a time
     return core
@@ -174,6 +180,8 @@ def shrink(core: list[Group], clash: Clash) -> tuple[list[Group], bool]:
         while k < len(core):
             try:
                 left = clash(core[:k] + core[k + size :])
+            except NothingLeft:
+                return core, False
             except NotAnswered:
                 left, minimal = None, minimal and size > 1
             if left is None:

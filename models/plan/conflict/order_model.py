@@ -45,7 +45,7 @@ from kerfwise.rules.statements import (
 )
 from kerfwise.rules.stating.feasible_order import ends_of, likely_order
 
-from .groups import WORK_PER_STATEMENT, CanClash, Group, NotAnswered, contours_of, solver_within
+from .groups import WORK_PER_STATEMENT, CanClash, Group, NotAnswered, NothingLeft, contours_of, solver_within
 
 WORK = 20.0
 """CP-SAT's deterministic seconds for one question; past them it counts as not answered."""
@@ -287,6 +287,6 @@ def _hint(built: OrderModel, groups: Sequence[Group]) -> None:
 def _built(facts: Facts, groups: Sequence[Group], deadline: Deadline) -> OrderModel:
     """The model, as long as anything is left to ask it with."""
     if deadline.left <= 0:
-        raise NotAnswered
+        raise NothingLeft
     deadline.spend(WORK_PER_STATEMENT * sum(len(group.statements) for group in groups))
     return build_order_model(facts, groups)

@@ -16,9 +16,11 @@ from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.pipeline import plan_nest, solve_and_verify
 from kerfwise.rules.case import nest, part, rect
+from kerfwise.rules.expression.node import order
 from kerfwise.rules.flat import compiler, flatten
-from kerfwise.rules.flat.compiler import Compiled, compiled_within
+from kerfwise.rules.flat.compiler import Compiled, compiled_within, read_flatzinc
 from kerfwise.rules.flat.flatten import cache_folder, compiled
+from kerfwise.rules.flat.flatzinc_to_expr import Meaning, Words
 from kerfwise.rules.flat.model_file import ModelFile, read_model_file
 from kerfwise.rules.flat.model_rule import read_model_rule
 from kerfwise.rules.profile.load import load_profile
@@ -219,6 +221,24 @@ def test_reading_ends_within_the_limit(tmp_path: Path, cache: Path) -> None:
     assert len(list(rule.statements(facts, rule.Options()))) == 2
     with compiled_within(-1.0), pytest.raises(InputError, match="is being read, and the time limit leaves no more"):
         list(rule.statements(replace(facts), rule.Options()))
+
+
+FLAT = """var bool: ab;
+var bool: ba:: is_defined_var;
+array [1..1] of var bool: flat_before = [ab];
+array [1..1] of var bool: tried_holds = [ba];
+constraint bool_not(ab,ba):: defines_var(ba);
+"""
+
+
+def test_reading_ends_within_one_line_and_one_element() -> None:
+    flat, about = read_flatzinc(FLAT), Path("tried.mzn")
+    assert Meaning(flat, Words(2, ()), about).elements("tried_holds") == [order(1, 0)]
+    with compiled_within(-1.0):
+        with pytest.raises(InputError, match=r"tried\.mzn: what MiniZinc has made of this rule is being read"):
+            read_flatzinc(FLAT, about)
+        with pytest.raises(InputError, match=r"tried\.mzn: what MiniZinc has made of this rule is being read"):
+            Meaning(flat, Words(2, ()), about).elements("tried_holds")
 
 
 def load_profile_of(folder: Path, text: str) -> Profile:

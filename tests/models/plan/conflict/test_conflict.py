@@ -10,6 +10,7 @@ import pytest
 
 from kerfwise import Conflict, Lock, Nest, Profile, RulesConflict
 from kerfwise.jobs.request import facts_of, make_request, options_for
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.conflict import find_conflict, state_relaxed
 from kerfwise.models.plan.conflict.core import Engines, find_whole_core
@@ -274,3 +275,22 @@ def test_without_work_nothing_is_claimed(profile_of) -> None:
     assert not core.minimal
     told = Conflict(tuple(group.about for group in core.groups), core.minimal, None, "stuck")
     assert "it was not shown that each of them has a part" in next(iter(told.lines()))
+
+
+def test_without_a_way_out_it_names_the_rules_that_can_be_made_soft(tmp_path: Path) -> None:
+    """Metal that falls out keeps a hole before its outline, whatever inner-before-outer says: it is not named."""
+    odd = "own_rules: [{name: odd, select: {kind: outer}, before: {kind: hole}, strength: %s}]\nrules: {%s: off}\n"
+
+    def found(strength: str, off: str = "t-max") -> Conflict | None:
+        (tmp_path / "odd.yaml").write_text(odd % (strength, off))
+        profile = load_profile(tmp_path / "odd.yaml")
+        return find_conflict(facts_of(PLATE, profile), profile, Deadline(0.0))
+
+    conflict = found("hard")
+    assert conflict is not None
+    assert {about.rule for about in conflict.clash} == {"inner-before-outer", "own:odd"}
+    assert str(conflict).endswith(
+        "try a longer limit, such as --work 60 (in Python work=60), or make own:odd soft or off"
+    )
+    assert found("hard", "inner-before-outer") is not None
+    assert found("soft") is None

@@ -18,7 +18,17 @@ from kerfwise.models.plan.conflict import core as core_module
 from kerfwise.models.plan.conflict import state_relaxed
 from kerfwise.models.plan.conflict.conflict import find_relaxation, soften
 from kerfwise.models.plan.conflict.core import Core, find_core, whole_order
-from kerfwise.models.plan.conflict.groups import LAST, CanClash, Group, NotAnswered, hard_groups
+from kerfwise.models.plan.conflict.groups import (
+    LAST,
+    CanClash,
+    Group,
+    NotAnswered,
+    NothingLeft,
+    drop_unneeded_rules,
+    hard_groups,
+    shrink,
+    solver_within,
+)
 from kerfwise.models.plan.conflict.order_conflicts import clash_of_orders, is_exact, orders_of, shortest_cycle
 from kerfwise.models.plan.plan import RELAXED
 from kerfwise.models.problem.compile import make_problem
@@ -291,3 +301,20 @@ def test_the_plan_of_a_way_out_passes_the_check() -> None:
         options = options_for(ROW, profile, work=2)
         verdict = solve_and_verify(make_request(facts, profile, relax=True), profile, options).verdict
         assert verdict.ok, report(verdict)
+
+
+def test_nothing_is_asked_once_nothing_is_left() -> None:
+    """Thousands of groups, of each of which nothing could be answered any more, would pass the limit by seconds."""
+    groups = [Group(About(f"rule {k % 4}", (), str(k)), ()) for k in range(16)]
+    asked: list[int] = []
+
+    def clash(some: Sequence[Group]) -> list[int] | None:
+        asked.append(len(some))
+        solver_within(Deadline(0.0), 1.0)
+        return None
+
+    assert shrink(groups, clash) == (groups, False)
+    assert drop_unneeded_rules(groups, {}, clash) == groups
+    assert asked == [8, 12]
+    with pytest.raises(NothingLeft):
+        clash(groups)
