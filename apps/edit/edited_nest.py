@@ -22,14 +22,16 @@ from kerfwise.apps.nesting.placement.fill import LEFT, Room, Taste, fill, larges
 from kerfwise.apps.nesting.placement.layout import TURNS
 from kerfwise.apps.nesting.placement.nofit import Placed, Pose
 from kerfwise.apps.nesting.placement.shapes import Shapes
+from kerfwise.encoder.candidates.build import scrap_problems as near_or_severed
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nearest_name import unknown
-from kerfwise.encoder.nest import Nest, Part, Sheet
+from kerfwise.encoder.nest import Contour, Nest, Part, Sheet, as_scrap
 from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.scrap import largest_rectangle
+from kerfwise.encoder.validate import scrap_problems
 from kerfwise.encoder.write_nest import nest_json
 from kerfwise.jobs.inputs import Inputs, Tell, damaged, is_plan_file, silent
 from kerfwise.jobs.nest_job.request import last_plan
@@ -119,7 +121,7 @@ class EditedNest:
     spacing
         How far parts keep from each other and from the edge of the sheet; parts that were nearer may stay so.
     cut
-        Parts that are cut already, wholly or in part: they stay where they are.
+        Parts that are cut already, wholly or in part: they stay where they are; and scrap lines.
     kerf_mm
         Width of the cut: so much more is out around parts that are.
     reading
@@ -152,7 +154,8 @@ class EditedNest:
         x0, y0, x1, y1 = self.nest.sheet.bounds
         count = counted(len(self.nest.parts), "part")
         text = f"{count} of {len(self.base.parts)} before, on a sheet of {x1 - x0:g} × {y1 - y0:g} mm"
-        return f"{text}\noff the sheet, left out: {escape_text(', '.join(self.off))}" if self.off else text
+        text += f"\noff the sheet, left out: {escape_text(', '.join(self.off))}" if self.off else ""
+        return text + "".join(f"\nscrap line left out: {escape_text(why)}" for why in self.scrap_left_out)
 
     __repr__ = __str__
 
@@ -195,12 +198,39 @@ class EditedNest:
         """The nest as it is now; the base itself where nothing is changed."""
         if not self.edits:
             return self.base
-        return Nest(self._state.sheet, self._state.parts, file=self.base.file)
+        return Nest(self._state.sheet, self._state.parts, file=self.base.file, scrap=self._scrap[0])
 
     @property
     def off(self) -> tuple[str, ...]:
         """Parts that are off the other sheet, and left out."""
         return self._state.off
+
+    @property
+    def scrap_left_out(self) -> tuple[str, ...]:
+        """Why, a sentence for each scrap line of the base that is left out, by its name there."""
+        return self._scrap[1]
+
+    @cached_property
+    def _scrap(self) -> tuple[tuple[Contour, ...], tuple[str, ...]]:
+        """The scrap lines that can be cut as the parts lie now, numbered anew, and why each other one is left out."""
+        state, left_out = self._state, list[str]()
+        now = Nest(state.sheet, state.parts, scrap=self.base.scrap)
+        begun_again = any(name in self.cut for name in self.base.part_of if name not in state.drawn)
+        done = [f"{line.id} is cut already" for line in now.scrap if begun_again and line.id in self.cut]
+        while wrong := [*done, *scrap_problems(now.scrap, now.parts, now.sheet), *near_or_severed(now, self.kerf_mm)]:
+            left_out.append(wrong[0])
+            gone = wrong[0].split()[0]
+            done = [text for text in done if text is not wrong[0]]
+            now = replace(now, scrap=tuple(line for line in now.scrap if line.id != gone))
+        if not left_out:
+            return self.base.scrap, ()
+        return as_scrap([line.curve for line in now.scrap], [line.source for line in now.scrap]), tuple(left_out)
+
+    @property
+    def named_as_before(self) -> Nest:
+        """The nest without the scrap lines whose name was another line's before."""
+        old = {line.id: line.curve for line in self.base.scrap}
+        return replace(self.nest, scrap=tuple(line for line in self.nest.scrap if old[line.id] is line.curve))
 
     def text(self) -> str:
         """The nest as kerfwise-nest/1."""
@@ -452,7 +482,7 @@ def editing(
     cut: Collection[str] = (),
 ) -> EditedNest:
     """A nest that can be changed, as it is drawn, with the distances of its profile; `cut` contours are cut already."""
-    parts = {nest.contour(name).part for name in cut if name in nest.index}
+    parts = {nest.contour(name).part or name for name in cut if name in nest.index}
     return EditedNest(
         nest.drawn or nest, spacing_of(profile, gap_mm, edge_mm), frozenset(parts), profile.material.kerf_mm
     )

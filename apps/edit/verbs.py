@@ -82,7 +82,7 @@ def command(
     """Change NEST: leave parts out, turn, mirror and move them, put another --sheet under it, add parts, in this order.
 
     Parts keep the profile's gap; collisions are named, and nothing is written then. What is cut already stays. Parts
-    off another sheet are left out and named; exit code 1.
+    off another sheet, and scrap lines that parts are in the way of, are left out and named; exit code 1.
     """
     from .edited_nest import contours_cut, editing
 
@@ -136,7 +136,7 @@ def _write(edited: EditedNest, inputs: Inputs, path: Path) -> int:
     beside = path.with_name(beside_name(path))
     if inputs.job is not None and not is_file(beside):
         try:
-            files[beside], left_out = job_text_for(inputs.job, edited.nest, beside)
+            files[beside], left_out = job_text_for(inputs.job, edited.named_as_before, beside)
             for why in left_out:
                 print_note(f"the job file {inputs.job.name} is copied without a lock: {why}")
         except InputError as error:
@@ -144,4 +144,4 @@ def _write(edited: EditedNest, inputs: Inputs, path: Path) -> int:
     write_files(files)
     click.echo(str(edited))
     click.echo(f"written: {', '.join(escape_text(str(file)) for file in files)}")
-    return 1 if edited.off else 0
+    return 1 if edited.off or edited.scrap_left_out else 0

@@ -116,7 +116,7 @@ class Desk:
         return f"data:{media};base64,{base64.b64encode(picture).decode('ascii')}"
 
     def changed(self, wanted: PlanRequest, changes: Sequence[str]) -> dict[str, Any]:
-        """The nest with parts dropped, moved, added and so on: its text, its parts, and those off another sheet.
+        """The nest with parts dropped, moved, added and so on: its text, its parts, and what is left out.
 
         `drawing` is the nest as page data. What the wanted plan has cut already stays. Files of parts are those of the
         nest's folder.
@@ -127,7 +127,8 @@ class Desk:
         cut = already_of(wanted, inputs).contours
         edited = editing(inputs.nest, inputs.profile, cut=cut).do(*changes)
         parts = [part.id for part in edited.nest.parts]
-        return {"text": edited.text(), "parts": parts, "off": list(edited.off), "drawing": nest_data(edited.nest)}
+        left_out = {"off": list(edited.off), "scrap": list(edited.scrap_left_out)}
+        return {"text": edited.text(), "parts": parts, **left_out, "drawing": nest_data(edited.nest)}
 
     def room(self, wanted: PlanRequest) -> dict[str, Any]:
         """How far parts keep from each other and from the edge of the sheet, mm, and which are cut already."""

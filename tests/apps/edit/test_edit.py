@@ -47,6 +47,17 @@ def test_changes_of_all_kinds(plate: Path) -> None:
     assert kerfwise("solve", "new.json", "--work", 0.2).code == 0
 
 
+def test_a_lock_on_a_scrap_line_is_not_put_on_another(plate: Path) -> None:
+    nest = json.loads(plate.read_text()) | {"scrap": [[[100, 0], [100, 140]], [[200, 0], [200, 140]]]}
+    plate.write_text(json.dumps(nest))
+    Path("plate.job.yaml").write_text("locks: [scrap2 first, P3 first]\n")
+    code, out, err = edit("--drop", "P1", "--move", "P2", "-50", "0")
+    assert (code, json.loads(Path("new.json").read_text())["scrap"]) == (1, [[[200, 0], [200, 140]]])
+    assert "scrap line left out: scrap1 runs through part P2 at (100.0, 50.0)" in out
+    assert "copied without a lock" in err
+    assert "scrap" not in Path("new.job.yaml").read_text()
+
+
 def test_a_collision_is_named_and_nothing_is_written(plate: Path) -> None:
     code, _, err = edit("--move", "P1", "37", "0")
     assert code == 2

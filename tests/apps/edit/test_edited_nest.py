@@ -150,6 +150,42 @@ def test_another_sheet_names_what_is_off() -> None:
     assert made.undo().off == ()
 
 
+SCRAP = nest(*PLATE.sheet.bounds[2:], *PLATE.parts, scrap=[[(82, 0), (82, 200)], [(200, 0), (200, 200)]])
+
+
+def rows(made: Nest) -> dict[str, list[list[float]]]:
+    return {line.id: line.curve.as_rows() for line in made.scrap}
+
+
+def test_scrap_lines_that_can_still_be_cut_stay_and_the_others_are_named() -> None:
+    base = EditedNest(SCRAP, SPACING, kerf_mm=1.5)
+    kept = base.do("drop A", "move B 10 0")
+    assert (rows(kept.nest), kept.scrap_left_out) == (rows(SCRAP), ())
+    assert '"scrap": [[[82' in kept.text()
+    for change, why in (
+        ("move B -30 0", "scrap1 runs through part B at (82.0, 40.0): end it before the part, or lead it round"),
+        ("move B -7 0", "scrap1 comes within 1.000 mm of B.outer at (83.0, 20.0), less than the kerf of 1.5 mm"),
+    ):
+        made = base.do("drop A", change)
+        assert rows(made.nest) == {"scrap1": rows(SCRAP)["scrap2"]}
+        assert [text.removesuffix(": keep it a kerf away") for text in made.scrap_left_out] == [why]
+        assert f"scrap line left out: {why}" in str(made)
+        assert made.named_as_before.scrap == ()
+        assert rows(made.undo().nest) == rows(SCRAP)
+    off = base.do("sheet 195x150")
+    assert [text.split(":")[0] for text in off.scrap_left_out] == [
+        "scrap1 runs 50.000 mm off the sheet at (82.0, 175.0)",
+        "scrap2 runs 200.000 mm off the sheet at (200.0, 100.0)",
+    ]
+
+
+def test_scrap_lines_that_are_cut_are_not_cut_again_with_a_part() -> None:
+    done = EditedNest(SCRAP, SPACING, frozenset({*"ABCD", "scrap1"}), 1.5)
+    again = done.do(Keep(("D",)))
+    assert again.scrap_left_out[0] == "scrap1 is cut already"
+    assert rows(again.nest) == {"scrap1": rows(SCRAP)["scrap2"]}
+
+
 def test_what_is_cut_stays_and_what_is_out_is_a_hole() -> None:
     for line in ("drop B", "move B 1 0", "turn B 90", "mirror B", "sheet 500x500"):
         with pytest.raises(InputError, match="B is cut already"):

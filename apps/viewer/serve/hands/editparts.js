@@ -174,8 +174,9 @@ class PartEditor {
       if (mine !== this.asked) return;
       this.made = told.drawing;
       this.sound = true;
-      this.#tell(told.off.length ? tr("{n} parts, off the sheet: {off}", { n: told.parts.length, off: told.off.join(", ") })
-        : trn("{n} part on the sheet, none too near to another", "{n} parts on the sheet, none too near to another", told.parts.length), "good");
+      const said = told.off.length ? tr("{n} parts, off the sheet: {off}", { n: told.parts.length, off: told.off.join(", ") })
+        : trn("{n} part on the sheet, none too near to another", "{n} parts on the sheet, none too near to another", told.parts.length);
+      this.#tell([said, ...told.scrap].join("; "), "good");
     } catch (error) {
       const { told, message } = /** @type {any} */ (error);
       if (mine !== this.asked) return;
