@@ -332,7 +332,7 @@ def _known_plan(solving: _Solving) -> ZonedPlan | None:
         return None
     at_hand = None
     if start is not None:
-        at_hand = plan_at_hand(request.facts, solving.profile, solving.limits, start, request)
+        at_hand = plan_at_hand(request.facts, solving.profile, solving.limits, start, request, keep=first)
     if at_hand is None and not first:
         return None
     return first_plan(request, solving.profile, solving.limits, at_hand, solving.progress, moves=not first)

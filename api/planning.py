@@ -103,7 +103,8 @@ def solve(
         the rules allow, and the new plan costs no more than that.
     first
         Give the first lawful plan, which a moment's search finds, and stop: each cut says which orders it keeps, and
-        not what would be without them. Moves over parts that are out cost nothing then.
+        not what would be without them. Moves over parts that are out cost nothing then. From a `start` it is that plan,
+        with all the entries and ways round that are lawful still.
     date
         Day that the program says at its top, as "2026-12-24"; "" for that of the job file.
     on_progress

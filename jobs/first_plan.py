@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 
-from kerfwise.arrays import Ints
+from kerfwise.arrays import Bools, Ints
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import RulesConflict
@@ -27,7 +28,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.statements import Statement
+from kerfwise.rules.statements import About, Forbid, Statement
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 
 from .adaptive_zones import ZonedPlan
@@ -44,13 +45,20 @@ from .plan_without_zones import (
 )
 from .request import Request, make_request
 
+STAYED_MM = 5.0
+"""A contour that lies farther than this from where it was entered has been moved."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class AtHand:
-    """A plan that is at hand, under what is asked now: by its own zones, if it may be, and as a lawful route."""
+    """A plan that is at hand, under what is asked now: by its own zones, if it may be, and as a lawful route.
+
+    `kept` are the candidates by which the route enters contours as the plan did.
+    """
 
     asked: Request
     solution: Solution
+    kept: frozenset[int] = frozenset()
 
 
 def first_plan(
@@ -65,6 +73,7 @@ def first_plan(
 ) -> ZonedPlan | None:
     """The first lawful plan that a short search finds, from a plan at hand or from nothing.
 
+    Entries that a plan at hand has `kept` stay, and so does its order where all are kept.
     Where geometry alone makes zones, the whole sheet is one: to draw them takes longer than all of this. Soft rules on
     what single moves cross are priced with `moves` alone; None leaves that to the number of contours. The search takes
     so much `work`, or as little as it takes.
@@ -76,6 +85,8 @@ def first_plan(
     """
     if at_hand is not None:
         asked = at_hand.asked
+        if len(at_hand.kept) == asked.facts.n:
+            return ZonedPlan(asked, at_hand.solution, None)
     elif movable(asked.facts) and zoned_by(asked.facts, profile) and not is_relaxed(asked):
         one = replace(asked.facts, zone=asked.facts.zone.clip(max=1))
         if (stated := restated(one, profile, asked.stated)) is not None:
@@ -83,25 +94,47 @@ def first_plan(
     work = min(limits.work, WORK + WORK_A_CONTOUR * asked.facts.n if work is None else work)
     limits = replace(limits, work=work, time_s=None)  # so little takes less time than a look at the clock is worth
     moves = True if bans_crossings(asked.stated.statements) else moves
-    route = () if at_hand is None else at_hand.solution.route
-    found = searched(asked.facts, asked.stated, profile, route, limits, progress, moves=moves)
+    route, stated = () if at_hand is None else at_hand.solution.route, asked.stated
+    if at_hand is not None and at_hand.kept:
+        stated = replace(stated, statements=(*stated.statements, *_entered_as(asked.facts, at_hand.kept)))
+    found = searched(asked.facts, stated, profile, route, limits, progress, moves=moves)
     if found is None:
         return None
-    return ZonedPlan(asked, without_pay_for(found.solution, found.aside), None)
+    solution = without_pay_for(found.solution, found.aside)
+    return ZonedPlan(asked, solution if stated is asked.stated else replace(solution, problem=None), None)
+
+
+def _entered_as(facts: Facts, kept: Set[int]) -> Iterator[Statement]:
+    """That contours are entered by these candidates and no others."""
+    for number in sorted(kept):
+        contour = facts.candidates[number].contour
+        about = About("start", (facts.nest.contours[contour].id,), "it is entered as in the plan at hand")
+        others = range(int(facts.first[contour]), int(facts.first[contour + 1]))
+        yield from (Forbid(other, about) for other in others if other != number)
 
 
 def plan_at_hand(
-    facts: Facts, profile: Profile, limits: SolveOptions, plan: Plan, request: Request | None = None
+    facts: Facts,
+    profile: Profile,
+    limits: SolveOptions,
+    plan: Plan,
+    request: Request | None = None,
+    *,
+    keep: bool = False,
 ) -> AtHand | None:
     """A plan that was made before, of a nest or under rules that may have changed since.
 
-    Its order stays as far as locked places and hard rules allow, with the best entries along it; contours that it does
-    not have come after the ones that they lie nearest to, and its zones are kept where geometry may choose them.
+    Its order stays as far as locked places and hard rules allow, with the best entries along it but for those that are
+    to be kept. Contours that it does not have come after the ones that they lie nearest to, and its zones are kept
+    where geometry may choose them.
 
     Parameters
     ----------
     request
         What is asked by the zones of `facts`, where that is known.
+    keep
+        Whether contours are entered as the plan has it, the same way round, wherever that is lawful and they have not
+        been moved since.
 
     Returns
     -------
@@ -123,18 +156,22 @@ def plan_at_hand(
         kept, aside = without_moves(stated.statements)
         stated = replace(stated, statements=tuple(kept))
     problem = make_problem(facts, stated.statements, limits.home_mm, limits.feeds)
-    sites = problem.candidate_site[[nearest_way(facts, cut) for cut in cuts]]
-    wanted, places = _known(sites, problem.site_contour), _places(profile, facts)
+    ways = [nearest_way(facts, cut, problem.candidate_site >= 0) for cut in cuts]
+    wanted, places = _known(problem.candidate_site[ways], problem.site_contour), _places(profile, facts)
+    stayed = [way for way, cut in zip(ways, cuts, strict=True) if keep and has_stayed(facts, cut)]
+    like = dict(zip(problem.candidate_site[stayed].tolist(), stayed, strict=True))
+    liked = {int(problem.site_contour[site]): site for site in wanted if site in like}
     setting = context_along(facts, profile, stated, problem, ())
-    for order in _orders(problem, wanted, places):
-        judged = try_order(setting, order, look=False)
+    tried = ((order, by) for order in _orders(problem, wanted, places) for by in ((liked, {}) if liked else ({},)))
+    for order, entries in tried:
+        judged = try_order(setting, order, look=False, liked=entries)
         seen_mm = None if judged.cost is None else paid_for(lazy_statements(facts, profile)(order))
         if judged.cost is not None and seen_mm is not None:
-            route = tuple(problem.site_candidate[list(judged.route)].tolist())
+            route = tuple(like.get(site, int(problem.site_candidate[site])) for site in judged.route)
             cost_mm = judged.cost / UM_PER_MM + seen_mm
             found = Solution(route, cost_mm, None, "feasible", "search", "", 0.0, left_out=problem.left_out)
             found = replace(without_pay_for(found, aside), problem=problem)
-            return AtHand(asked, paying_for_crossings(asked, found))
+            return AtHand(asked, paying_for_crossings(asked, found), frozenset(route) & frozenset(like.values()))
     return None
 
 
@@ -203,13 +240,19 @@ def zones_of(facts: Facts, cuts: Sequence[Cut]) -> Ints:
     return np.unique(zone, return_inverse=True)[1].ravel().astype(np.int64) + 1
 
 
-def nearest_way(facts: Facts, cut: Cut) -> int:
-    """The candidate that is most like a cut: the same way round, and as near as there is."""
+def nearest_way(facts: Facts, cut: Cut, lawful: Bools) -> int:
+    """The candidate, of those `lawful` (m,), that is most like a cut: the same way round, and as near as there is."""
     contour = facts.nest.index[cut.contour]
     numbers = range(int(facts.first[contour]), int(facts.first[contour + 1]))
 
     def unlike(number: int) -> tuple[bool, float]:
         way: Candidate = facts.candidates[number]
-        return way.direction != cut.direction, math.dist(way.pierce, cut.pierce) + math.dist(way.entry, cut.entry)
+        away_mm = 0.0 if cut.linked else math.dist(way.pierce, cut.pierce)  # a link begins where the last cut ended
+        return way.direction != cut.direction, away_mm + math.dist(way.entry, cut.entry)
 
-    return min(numbers, key=unlike)
+    return min((number for number in numbers if lawful[number]), key=unlike)
+
+
+def has_stayed(facts: Facts, cut: Cut) -> bool:
+    """Whether a contour is still where a cut of before enters it; one that was compensated since has hardly moved."""
+    return bool(facts.nest.contour(cut.contour).line.distance(shapely.Point(cut.entry)) <= STAYED_MM)

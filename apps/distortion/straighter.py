@@ -99,7 +99,8 @@ class StraighterOrders:
         cuts = [row.cut for row in of_first_torch(plan).cuts]
         if {cut.contour for cut in cuts} != self._nest.index.keys():
             return None
-        return self._lawful([nearest_way(self._facts, cut) for cut in cuts])
+        lawful = self._problem.candidate_site >= 0
+        return self._lawful([nearest_way(self._facts, cut, lawful) for cut in cuts])
 
     def price_mm(self, profile: Profile) -> float:
         """Of a mm of error, mean over the parts of their worst places, mm of idle travel."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -74,6 +75,40 @@ def test_an_edit_goes_on_from_the_plan_at_hand_and_costs_no_more() -> None:
     left = [facts.nest.contours[facts.candidates[c].contour].id for c in at_hand.solution.route]
     known = [name for name in left if name != "New.outer"]
     assert known == [cut.cut.contour for cut in before.cuts if cut.cut.contour in known]
+
+
+def entered(plan: kerfwise.Plan) -> dict[str, tuple[str, float, float]]:
+    """In cutting order: which way round each contour is cut, and where it is pierced, to 0.1 mm."""
+    return {
+        one.cut.contour: (one.cut.direction, round(one.cut.pierce[0], 1), round(one.cut.pierce[1], 1))
+        for one in plan.cuts
+    }
+
+
+def test_the_first_plan_from_a_plan_enters_contours_as_that_does() -> None:
+    sheet = row("A", "B", "C", "D", "E")
+    old = kerfwise.solve(sheet, strategy="random", seed=3).plan
+    made = kerfwise.solve(sheet, start=old, first=True)
+    assert made.ok
+    assert list(entered(made.plan).items()) == list(entered(old).items())
+    assert list(entered(kerfwise.solve(sheet, work=0.2).plan).items()) != list(entered(old).items())
+
+
+def test_it_enters_anew_what_was_moved_and_what_may_not_be_entered_so() -> None:
+    sheet, names = row("A", "B", "C", "D", "E"), "ABCDE"
+    old = kerfwise.solve(sheet, strategy="random", seed=3).plan
+    before = entered(old)
+
+    def changed(given: kerfwise.Nest, **more: Any) -> set[str]:
+        made = kerfwise.solve(given, start=old, first=True, **more)
+        assert made.ok
+        return {name for name, way in entered(made.plan).items() if way != before[name]}
+
+    boxes = [(20 + 110 * k, 40 if k == 2 else 20, 80, 80) for k in range(5)]
+    moved = nest(600, 140, *(part(name, rect(*box)) for name, box in zip(names, boxes, strict=True)))
+    assert changed(moved) == {"C.outer"}
+    lock = {"contour": "B.outer", "entry": [210, 60]}
+    assert changed(sheet, locks=[lock]) == {"B.outer"}
 
 
 def test_the_zones_of_the_plan_at_hand_are_kept_where_geometry_may_choose(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -161,8 +161,10 @@ class TriedOrder:
     route: tuple[int, ...] = ()
 
 
-def try_order(setting: PlanContext, order: Sequence[int], look: bool = True) -> TriedOrder:
-    """Judge an order by all that is stated, with the best entries along it.
+def try_order(
+    setting: PlanContext, order: Sequence[int], look: bool = True, liked: Mapping[int, int] | None = None
+) -> TriedOrder:
+    """Judge an order by all that is stated, with the best entries along it, or by contour with those `liked` (sites).
 
     Without a `look`, what only geometry finds in a whole order is left out: where a rule forbids such, that takes most
     of the time.
@@ -170,7 +172,7 @@ def try_order(setting: PlanContext, order: Sequence[int], look: bool = True) -> 
     breaks = tuple(dict.fromkeys(_broken(setting, order)))
     if breaks:
         return TriedOrder(breaks)
-    found = resite(setting, order)
+    found = resite(setting, order, liked=liked)
     if isinstance(found, Stuck):
         return TriedOrder(found.abouts)
     breaks = broken(setting.problem, found.route)

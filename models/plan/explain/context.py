@@ -15,6 +15,7 @@ from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.solution import Incumbent, Solution
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.plan import Plan
@@ -26,7 +27,7 @@ from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.technique import Technique
-from kerfwise.rules.statements import About, Precede, by_kind
+from kerfwise.rules.statements import EXEMPTION_MM, About, Precede, by_kind
 from kerfwise.rules.stating.state_rules import Stated
 
 # A finished plan as the engines would see it: statements, problem, and the route read back from the plan's cuts.
@@ -194,15 +195,25 @@ class Stuck:
     abouts: tuple[About, ...]
 
 
-def resite(setting: PlanContext, order: Sequence[int], pinned: Mapping[int, int] | None = None) -> Incumbent | Stuck:
+UNLIKED_UM = EXEMPTION_MM * UM_PER_MM / 2
+"""What keeps an entry that is liked: no travel and no soft rule weighs as much, an excuse does."""
+
+
+def resite(
+    setting: PlanContext,
+    order: Sequence[int],
+    pinned: Mapping[int, int] | None = None,
+    liked: Mapping[int, int] | None = None,
+) -> Incumbent | Stuck:
     """The cheapest route that visits the contours in this order; `pinned` fixes the site of a contour.
 
+    A contour has the site that is `liked` wherever that is lawful, whatever it costs.
     With x the contour at place k and S those before it: best(k, s) = least over the sites r of the contour before of
     best(k - 1, r) + travel(r, s) + what soft statements make of s after S; sites that a hard condition forbids after
     S are left out. What a move crosses is known from the order. Exact but for statements that tie entries of several
     contours together and for cooling in seconds: those only enter into the cost that is answered.
     """
-    problem, pinned = setting.problem, pinned or {}
+    problem, pinned, liked = setting.problem, pinned or {}, liked or {}
     over = _crossed(problem, order)
     layers: list[list[int]] = []
     came_from: list[NDArray[np.int64]] = []
@@ -211,6 +222,8 @@ def resite(setting: PlanContext, order: Sequence[int], pinned: Mapping[int, int]
     for k, contour in enumerate(order):
         sites = [pinned[contour]] if contour in pinned else list(problem.sites(contour))
         here, against = costs_here(setting, contour, sites, already)
+        if contour in liked:
+            here = here + UNLIKED_UM * (np.array(sites) != liked[contour])
         step = best[:, None] + lawful_travel(problem, leave, sites) + here[None, :]
         _add_crossed(step, over.get(k, ()), layers[-1] if layers else [problem.m], sites)
         choice = step.argmin(axis=0)
