@@ -20,6 +20,7 @@ from kerfwise.postproc.clock import read_program, time_program
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.rule_kit import circle, nest, part, rect
 from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.profile.plant_sections import Torches
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import Corners
 from kerfwise.rules.profile.time_section import Time
@@ -30,6 +31,7 @@ PLATE = nest(
     part("A", rect(30, 30, 180, 180), [circle(120, 120, 30)], [[(45, 45), (90, 45)]]),
     part("B", rect(240, 30, 180, 180), [rect(300, 90, 60, 60), circle(270, 180, 9)]),
 )
+TWICE = nest(480, 240, *(part(n, rect(x, 30, 180, 180), [circle(x + 90, 120, 30)]) for n, x in (("A", 30), ("B", 240))))
 
 
 @cache
@@ -55,6 +57,18 @@ def slow_to_start() -> Profile:
     return replace(shipped, time=time, small_holes=replace(shipped.small_holes, small_hole_feed=1.0))
 
 
+@cache
+def in_passes() -> Profile:
+    shipped = load_profile()
+    return replace(shipped, cuts=replace(shipped.cuts, pierce_pass="sheet"))
+
+
+@cache
+def two_torches() -> Profile:
+    shipped = load_profile()
+    return replace(shipped, machine=replace(shipped.machine, dialect="linuxcnc", torches=Torches(2, 210.0, "x")))
+
+
 PROCESSES = pytest.mark.parametrize("plant", [laser, plasma, oxyfuel, slow_to_start])
 
 
@@ -62,7 +76,8 @@ PROCESSES = pytest.mark.parametrize("plant", [laser, plasma, oxyfuel, slow_to_st
 def routed(plant: Callable[[], Profile]) -> tuple[Plan, tuple[int, ...], RoutePaths, Facts]:
     """A plan, its route, what makes paths of routes, and facts."""
     profile = plant()
-    asked = make_request(facts_of(profile.as_cut(PLATE), profile), profile)
+    sheet = PLATE if profile.machine.torches.count == 1 else TWICE
+    asked = make_request(facts_of(profile.as_cut(sheet), profile), profile)
     made = plan_request(asked, profile, options_for(asked.facts.nest, profile, work=0.1))
     return made.plan, made.solution.route, RoutePaths(asked.facts, profile, asked.stated), asked.facts
 
@@ -87,10 +102,11 @@ def test_a_route_takes_as_long_cut_by_cut_as_its_program(plant: Callable[[], Pro
     assert path.end_s == pytest.approx(timed.times.total_s, rel=0.01)
 
 
-@PROCESSES
+@pytest.mark.parametrize("plant", [laser, plasma, oxyfuel, slow_to_start, in_passes, two_torches])
 def test_a_route_burns_where_its_plan_does(plant: Callable[[], Profile]) -> None:
-    plan, route, paths, _ = routed(plant)
-    for one, other in zip(paths.of(route).burns, path_of_plan(plan, PLATE, plant()).burns, strict=True):
+    plan, route, paths, facts = routed(plant)
+    told = path_of_plan(plan, facts.whole_nest, plant())
+    for one, other in zip(paths.of(route).burns, told.burns, strict=True):
         assert one.contour == other.contour
         assert np.allclose(one.xy, other.xy)
         assert one.at_s == pytest.approx(other.at_s, abs=1e-6)
