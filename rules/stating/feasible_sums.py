@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from itertools import permutations
 
 from kerfwise.encoder.graphs import Link
@@ -44,9 +45,32 @@ def links_to_drop_for_sums(
     """
     if not sums or _likely_held(n, links, runs, sums):
         return [], True
-    pivots = _pivots(sums)
-    rows = len(pivots) * (len(links) + n * len(runs) + n * len(pivots)) + sum(len(s.literals) for s in sums)
-    return None if rows > MOST_ROWS else _lightest(n, links, weights, runs, sums, pivots)
+    solved = _lightest(n, links, weights, runs, sums)
+    return None if solved is None or solved.out is None else (solved.out, solved.shown)
+
+
+def shown_impossible(n: int, links: Sequence[Link], runs: Sequence[Sequence[int]], sums: Sequence[AtLeast]) -> bool:
+    """Whether it is shown that no order of n contours keeps all links, runs and sums; links are free of cycles.
+
+    Examples
+    --------
+    >>> from kerfwise.rules.statements import About
+    >>> early = AtLeast((Before(2, 0), Before(2, 1)), (1, 1), 1, About("early", (), "2 is not last"))
+    >>> shown_impossible(3, [(0, 2), (1, 2)], [], [early]), shown_impossible(3, [(0, 2)], [], [early])
+    (True, False)
+    """
+    if not sums or _likely_held(n, links, runs, sums):
+        return False
+    solved = _lightest(n, links, [None] * len(links), runs, sums)
+    return solved is not None and solved.out is None and solved.shown
+
+
+@dataclass(frozen=True, slots=True)
+class _Solved:
+    """The links that are dropped, None where no drop helps or is known to be needed, and whether this is shown."""
+
+    out: list[int] | None
+    shown: bool
 
 
 def _likely_held(n: int, links: Sequence[Link], runs: Sequence[Sequence[int]], sums: Sequence[AtLeast]) -> bool:
@@ -88,11 +112,14 @@ def _lightest(
     weights: Sequence[int | None],
     runs: Sequence[Sequence[int]],
     sums: Sequence[AtLeast],
-    pivots: Sequence[int],
-) -> tuple[list[int], bool] | None:
-    """The links dropped, by the integer program."""
-    from ortools.sat.python.cp_model import FEASIBLE, OPTIMAL, CpModel, CpSolver
+) -> _Solved | None:
+    """The links dropped, by the integer program; None where it would be too large."""
+    from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, OPTIMAL, CpModel, CpSolver
 
+    pivots = _pivots(sums)
+    rows = len(pivots) * (len(links) + n * len(runs) + n * len(pivots)) + sum(len(s.literals) for s in sums)
+    if rows > MOST_ROWS:
+        return None
     model = CpModel()
     before = {p: {k: model.new_bool_var("") for k in range(n)} for p in pivots}
     for p in pivots:
@@ -132,5 +159,5 @@ def _lightest(
     solver.parameters.max_deterministic_time = WORK
     status = solver.solve(model)
     if status not in (OPTIMAL, FEASIBLE) or (status == FEASIBLE and solver.best_objective_bound < 1):
-        return None
-    return [k for k, literal in dropped.items() if solver.boolean_value(literal)], status == OPTIMAL
+        return _Solved(None, status == INFEASIBLE)
+    return _Solved([k for k, literal in dropped.items() if solver.boolean_value(literal)], status == OPTIMAL)

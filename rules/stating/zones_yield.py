@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise, product
 from typing import TYPE_CHECKING, assert_never
 
 import numpy as np
 
 from kerfwise.arrays import Ints
-from kerfwise.rules.statements import AtLeast, Before, Enough, Literal, Pick, Statement, by_kind, plain
+from kerfwise.rules.statements import AtLeast, Before, Enough, Literal, Pick, Precede, Statement, by_kind, plain
+
+from .feasible_sums import shown_impossible, sums_of_orders
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -26,14 +29,36 @@ def zones_that_yield(facts: Facts, statements: Sequence[Statement], zoning: froz
     changes zone as a whole, with all that lies in it or around it; what must be cut before it comes along. Where all
     orders of a sum are about one contour, that goes to the nearest zone that leaves room for all parts of which the
     same rule asks the same. Else the orders that fail by the fewest zones are mended first, until enough of them can
-    hold.
+    hold. Where sums that can hold one by one cannot hold together, whatever the order within zones, the sheet is one.
     """
-    kinds = by_kind(statements)
-    zone, first = facts.zone.copy(), facts.zone
-    sums = [(_pivot(s), s) for s in kinds.at_least if s.weight is None and s.when is None and s.literals]
+    kinds, first = by_kind(statements), facts.zone
     hard = [s for s in kinds.precede if s.weight is None]
     zoning &= {s.about.rule for s in hard} - {s.about.rule for s in hard if first[s.before] >= first[s.after]}
-    if not sums or not zoning:
+    if not zoning:
+        return None
+    changed = _one_by_one(facts, kinds.at_least, hard, zoning)
+    zone = first if changed is None else changed
+    sums, runs = sums_of_orders(statements), [s.contours for s in kinds.contiguous if s.weight is None]
+    if not sums:
+        return changed
+    links = list(dict.fromkeys((s.before, s.after) for s in hard if s.about.rule not in zoning))
+    zoned = sorted({k for s in hard if s.about.rule in zoning for k in (s.before, s.after)})
+    members = [[k for k in zoned if zone[k] == level] for level in sorted(set(zone[zoned].tolist()))]
+    by_zone = [link for one, then in pairwise(members) for link in product(one, then)]
+    if not shown_impossible(facts.n, [*links, *by_zone], runs, sums) or shown_impossible(facts.n, links, runs, sums):
+        return changed
+    whole = zone.copy()
+    whole[zoned] = zone[zoned].min()
+    return whole
+
+
+def _one_by_one(
+    facts: Facts, at_least: Sequence[AtLeast], hard: Sequence[Precede], zoning: frozenset[str]
+) -> Ints | None:
+    """Zones in which every sum can hold by itself; None where they need not, or cannot, be others."""
+    zone, first = facts.zone.copy(), facts.zone
+    sums = [(_pivot(s), s) for s in at_least if s.weight is None and s.when is None and s.literals]
+    if not sums:
         return None
     moves = _Moves(_units(facts), [(s.before, s.after) for s in hard if s.about.rule not in zoning])
     for _ in range(MOST_ROUNDS):

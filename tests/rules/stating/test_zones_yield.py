@@ -70,6 +70,15 @@ def test_sums_that_hold_by_their_entries_or_may_be_excused_change_no_zone(facts:
     assert zones(facts, AtLeast((LAST,), (1,), 1, ABOUT, when=0)) is None
 
 
+def test_where_sums_cannot_hold_together_the_sheet_is_one_zone(facts: Facts) -> None:
+    """Each of two sums can hold by the order of two parts within a zone, but they ask for opposite orders of these."""
+    one, other = (AtLeast((of_two, Before(7, 2)), (1, 1), 1, ABOUT) for of_two in (Before(1, 0), Before(0, 1)))
+    assert zones(facts, one) is None
+    assert zones(facts, other) is None
+    assert zones(facts, one, other) == [1] * 8
+    assert zones(facts, one, other, Precede(2, 7, ABOUT)) is None  # no zones help
+
+
 def test_what_must_come_before_comes_along(facts: Facts) -> None:
     both = AtLeast((Before(7, 0), Before(6, 1)), (1, 1), 2, ABOUT)
     changed = zones(facts, both, Precede(5, 7, About("own:order", (), "5 before 7")))
