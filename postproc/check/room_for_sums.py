@@ -6,7 +6,7 @@ answers: of each contour that sums are about, what is cut before it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,25 +22,32 @@ if TYPE_CHECKING:
 
 WORK, WORK_IN_ALL = 5.0, 20.0
 """CP-SAT's deterministic seconds for a question, and for all; what they do not refute counts as possible."""
-MOST_CELLS = 100_000
-"""Where the model had more variables, sums count as possible."""
+MOST_CELLS = 200_000
+"""Where the model had more rows, for orders or between contours that sums are about, sums count as possible."""
 
 SumOfOrders = tuple[tuple[tuple[Link, int], ...], int]
 """Orders (before, after), each with a weight above 0, and what the weights of those that are kept come to at least."""
 
 
 def beside_sums(
-    orders: HardOrders, pairs: Ints, asked_by: Sequence[str], runs: Sequence[Sequence[int]], holding: set[str]
+    orders: HardOrders,
+    pairs: Ints,
+    asked_by: Sequence[str],
+    runs: Sequence[Sequence[int]],
+    holding: set[str],
+    known: Collection[Ids],
 ) -> dict[Ids, str]:
-    """Every broken order that leaves the sums of orders of rules no way to hold, beside the orders that are kept."""
+    """Every broken order, but those `known`, that leaves sums of orders no way to hold beside the kept ones."""
     book, names, size = orders.profile.rulebook(), orders.names, len(orders.cuts.positions())
     ranks = np.array([book[rule].gives_way for rule in asked_by], dtype=np.int64)
-    links = [(a, b) for a, b in pairs.tolist()]
-    kept = orders.at[pairs[:, 0]] < orders.at[pairs[:, 1]] if links else np.zeros(0, dtype=bool)
-    broken = np.flatnonzero(~kept & (ranks > 0)).tolist()
+    kept = orders.at[pairs[:, 0]] < orders.at[pairs[:, 1]]
+    wrong = np.flatnonzero(~kept & (ranks > 0)).tolist()
+    broken = [k for k in wrong if (names[pairs[k, 0]], names[pairs[k, 1]]) not in known]
+    if not broken:
+        return {}
     number = {name: k for k, name in enumerate(names)}
     sums, asking = [], []
-    for rule in sorted(orders.hard.keys() & holding) if broken else ():
+    for rule in sorted(orders.hard.keys() & holding):
         for terms, bound in book[rule].sums(orders.nest, orders.cuts, orders.hard[rule].options):
             told = tuple(((number[a], number[b]), w) for (a, b), w in terms if a in number and b in number)
             if len(told) == len(terms) and all(max(link) < size for link, _ in told):
@@ -48,6 +55,7 @@ def beside_sums(
                 asking.append(rule)
     if not sums:
         return {}
+    links = [(a, b) for a, b in pairs.tolist()]
     made = [(k, k + 1) for k in range(min(orders.cuts.made, size - 1))]
     room, found = SumsRoom(size, runs, sums), {}
     firm = {
@@ -79,7 +87,9 @@ class SumsRoom:
 
     def none(self, kept: Sequence[Link], more: Link) -> bool:
         """Whether no order of all things keeps the runs, these orders and one more, and the sums."""
-        return self._short([*kept, more]) or (self._left > 0 and self._refuted(kept, more))
+        if self._short([*kept, more]):
+            return True
+        return self._left > 0 and len(self._pivots) * len(kept) <= MOST_CELLS and self._refuted(kept, more)
 
     def _of_runs(self, orders: Iterable[Link]) -> list[Link]:
         """The orders, those into and out of a run asked of all that is in it."""
@@ -92,23 +102,20 @@ class SumsRoom:
 
     def _short(self, orders: Sequence[Link]) -> bool:
         """Whether a sum comes to too little by what must come before what alone."""
+        links = self._of_runs(orders)
         behind: list[list[int]] = [[] for _ in range(self._n)]
-        for before, after in self._of_runs(orders):
+        for before, after in links:
             behind[before].append(after)
-        reached: dict[int, set[int]] = {}
-
-        def leads(start: int, to: int) -> bool:
-            if start not in reached:
-                seen, waiting = {start}, [start]
-                while waiting:
-                    new = set(behind[waiting.pop()]) - seen
-                    seen |= new
-                    waiting += new
-                reached[start] = seen - {start}
-            return to in reached[start]
-
+        later, changed = [sum(1 << k for k in set(those)) for those in behind], True
+        while changed:  # orders that a plan keeps lead from lower numbers to higher ones: the second round ends it
+            changed = False
+            for k in reversed(range(self._n)):
+                reached = later[k]
+                for after in behind[k]:
+                    reached |= later[after]
+                later[k], changed = reached, changed or reached != later[k]
         return any(
-            sum(weight for (before, after), weight in terms if not leads(after, before)) < bound
+            sum(weight for (before, after), weight in terms if not later[after] >> before & 1) < bound
             for terms, bound in self._sums
         )
 
@@ -169,9 +176,13 @@ class SumsRoom:
     @staticmethod
     def _few_that_meet_all(links: set[Link]) -> list[int]:
         """Few things of which every order has one: those first that the most orders have."""
-        found, left = [], sorted(links)
-        while left:
-            ends = [k for link in left for k in link]
-            found.append(max(sorted(set(ends)), key=ends.count))
-            left = [link for link in left if found[-1] not in link]
+        others: dict[int, set[int]] = {}
+        for before, after in links:
+            others.setdefault(before, set()).add(after)
+            others.setdefault(after, set()).add(before)
+        found = []
+        while any(others.values()):
+            found.append(max(sorted(others), key=lambda k: len(others[k])))
+            for k in others.pop(found[-1]):
+                others[k].discard(found[-1])
         return found

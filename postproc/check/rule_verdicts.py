@@ -144,8 +144,8 @@ def _contradictions(orders: HardOrders, holding: set[str]) -> dict[Ids, str]:
             if against:
                 round_by = ", ".join(f"{' before '.join(told[m])} ({asked[component[m]]})" for m in against)
                 found[told[k]] = f"the order rules contradict each other here: {round_by}"
-    misplaced = _misplaced_orders(orders, pairs, asked, runs)
-    return beside_sums(orders, pairs, asked, together, holding) | found | misplaced
+    found |= _misplaced_orders(orders, pairs, asked, runs)
+    return found | beside_sums(orders, pairs, asked, together, holding, found)
 
 
 def _misplaced_orders(

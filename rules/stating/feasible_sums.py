@@ -7,7 +7,7 @@ next, as a small integer program: every order of cuts is a solution of it, so th
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import permutations
@@ -95,14 +95,19 @@ def _likely_held(n: int, links: Sequence[Link], runs: Sequence[Sequence[int]], s
 
 
 def _pivots(sums: Sequence[AtLeast]) -> list[int]:
-    """Few contours of which every order in the sums has one."""
-    left = {frozenset((x.i, x.j)) for s in sums for x in s.literals if isinstance(x, Before)}
+    """Few contours of which every order in the sums has one: those first that the most orders have."""
+    with_it: dict[int, set[int]] = defaultdict(set)
+    for s in sums:
+        for x in s.literals:
+            if isinstance(x, Before):
+                with_it[x.i].add(x.j)
+                with_it[x.j].add(x.i)
     found = []
-    while left:
-        count = Counter(k for pair in sorted(map(sorted, left)) for k in pair)
-        busiest = min(count, key=lambda k: (-count[k], k))
+    while any(with_it.values()):
+        busiest = min(with_it, key=lambda k: (-len(with_it[k]), k))
+        for k in with_it.pop(busiest):
+            with_it[k].discard(busiest)
         found.append(busiest)
-        left = {pair for pair in left if busiest not in pair}
     return sorted(found)
 
 

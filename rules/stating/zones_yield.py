@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, assert_never
 import numpy as np
 
 from kerfwise.arrays import Ints
+from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import AtLeast, Before, Enough, Literal, Pick, Precede, Statement, by_kind, plain
 
 from .feasible_sums import shown_impossible, sums_of_orders
@@ -29,7 +30,7 @@ def zones_that_yield(facts: Facts, statements: Sequence[Statement], zoning: froz
     changes zone as a whole, with all that lies in it or around it; what must be cut before it comes along. Where all
     orders of a sum are about one contour, that goes to the nearest zone that leaves room for all parts of which the
     same rule asks the same. Else the orders that fail by the fewest zones are mended first, until enough of them can
-    hold. Where sums that can hold one by one cannot hold together, whatever the order within zones, the sheet is one.
+    hold. Where sums that can hold one by one cannot hold together, whatever else gives way, the sheet is one zone.
     """
     kinds, first = by_kind(statements), facts.zone
     hard = [s for s in kinds.precede if s.weight is None]
@@ -41,7 +42,8 @@ def zones_that_yield(facts: Facts, statements: Sequence[Statement], zoning: froz
     sums, runs = sums_of_orders(statements), [s.contours for s in kinds.contiguous if s.weight is None]
     if not sums:
         return changed
-    links = list(dict.fromkeys((s.before, s.after) for s in hard if s.about.rule not in zoning))
+    yielding = zoning | {name for name, rule in RULES.items() if rule.gives_way}
+    links = list(dict.fromkeys((s.before, s.after) for s in hard if s.about.rule not in yielding))
     zoned = sorted({k for s in hard if s.about.rule in zoning for k in (s.before, s.after)})
     members = [[k for k in zoned if zone[k] == level] for level in sorted(set(zone[zoned].tolist()))]
     by_zone = [link for one, then in pairwise(members) for link in product(one, then)]
