@@ -178,13 +178,15 @@ def main() -> None:
     parser.add_argument("--heat", action="store_true")
     parser.add_argument("--keep", type=Path)
     given = parser.parse_args()
-    kept: dict[str, Row] = json.loads(given.keep.read_text()) if given.keep and given.keep.exists() else {}
+    kept: dict[str, Row] = (
+        json.loads(given.keep.read_text(encoding="utf-8")) if given.keep and given.keep.exists() else {}
+    )
     for seed in range(given.first, given.first + given.seeds):
         row = kept.setdefault(f"{given.process} {seed}", {})
         for way, found in Seed(seed, given.process, given).rows(row):
             row[way] = found
             if given.keep:
-                given.keep.write_text(json.dumps(kept))
+                given.keep.write_text(json.dumps(kept), encoding="utf-8", newline="\n")
     for line in table(kept):
         print(line)
 

@@ -33,7 +33,11 @@ PHASES: dict[str, tuple[tuple[str, str], ...]] = {
     "problem": (("kerfwise.models.engines.solve", "make_problem"), ("kerfwise.models.engines.solve", "simplify")),
     "planning": (("kerfwise.models.engines.solve", "run_portfolio"),),
     "looks at whole orders": (),
-    "plan and its reasons": tuple(("kerfwise.pipeline", step) for step in ("make_plan", "with_reasons", "with_times")),
+    "plan and its reasons": (
+        ("kerfwise.pipeline", "make_plan"),
+        ("kerfwise.pipeline", "with_reasons"),
+        ("kerfwise.jobs.completed_plan", "with_times"),
+    ),
     "program": (("kerfwise.pipeline", "write_program"),),
     "check": (("kerfwise.pipeline", "judge"),),
     "picture": (("kerfwise.postproc.report", "draw"),),

@@ -88,7 +88,7 @@ def burnt(name: str) -> list[str]:
     """What the simulation finds in a program of the batch, which other processes made."""
     machine, program = Path(name).parts[-2:]
     profile = load_profile(f"plants/{machine}.yaml")
-    drawn = read_nest(Path("nests", program).with_suffix(".dxf"), profile.read_options())
+    drawn = read_nest(Path("nests", program).with_suffix(".dxf"), profile=profile)
     return [str(found) for found in simulate(drawn, Path(name).read_text(encoding="utf-8"), **plant(profile))]
 
 

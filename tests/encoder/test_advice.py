@@ -44,6 +44,7 @@ FACTS = {
     "shorter than drawing.join_tolerance, and therefore left out": "what became of a crumb, and why",
     "if the units are wrong, pass --units": "the words themselves, as other messages have them",
     "more than 10,000 kilometres from the origin": "the advice of units again, tried where a line is too long",
+    "it is UTF-16: save it as UTF-8": "no option; followed in tests/encoder/readers/test_json_nest.py",
     "is not a regular expression": "the profile's reader gives it a place",
     "--answer {answer}": "the flag of a choice: each is tried by test_each_flag_of_a_question_gives_what_it_says",
     '--answer "{answer}"': "likewise",

@@ -12,7 +12,7 @@ import kerfwise as package
 from kerfwise import CheckResult, Nest, Plan, Profile, load_profile, read_nest
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.plan_without_zones import searched
-from kerfwise.jobs.request import make_request, options_for
+from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.jobs.resume import lock_broken_cut_first, stopped_plan
 from kerfwise.pipeline import plan_of, solve_and_verify
 from kerfwise.postproc.verdict.check_plan import check_plan
@@ -45,7 +45,7 @@ def expect_redone(nest: Nest, old: Plan, plant: Profile, upto: int) -> None:
     already = stopped_plan(old, nest, upto, redo_last=True)
     locked = lock_broken_cut_first(plant, already)
     found = solve_and_verify(
-        make_request(package.facts(nest, locked, already), locked), locked, options_for(nest, locked, work=0.1)
+        make_request(facts_of(nest, locked, already), locked), locked, options_for(nest, locked, work=0.1)
     )
     expect_in_step(found.plan, found.verdict, old, upto)
 

@@ -19,6 +19,7 @@ from kerfwise.benchmarks.flattened import said
 from kerfwise.encoder.facts.facts import Copies
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.jobs.plan_without_zones import without_moves
+from kerfwise.jobs.route_paths import RoutePaths
 from kerfwise.models.engines.baselines import solve_by
 from kerfwise.models.engines.minizinc_model import condition_arrays, conditions, data_text
 from kerfwise.models.engines.solution import SolveOptions
@@ -50,6 +51,7 @@ from kerfwise.models.problem.evaluate import unpriced_crossings
 from kerfwise.models.problem.problem import links_on
 from kerfwise.rules.statements import EXEMPTION_MM, About, Statement, by_kind, candidates_named, contours_named
 from kerfwise.rules.stating.feasible_order import positions
+from kerfwise.rules.stating.feasible_sums import sums_of_orders
 from kerfwise.rules.stating.lazy_statements import in_held_metal
 from kerfwise.rules.stating.reduced_statements import GantryStatements, Remainder, remaining_statements
 from kerfwise.rules.stating.state_rules import Stated, hopeless, resolve
@@ -141,6 +143,7 @@ REFUSES: dict[str, list[Refuses]] = {
         lambda _: list(candidates_named(INVENTED)),
     ],
     "rules/stating/feasible_order.py": [lambda _: positions([INVENTED], PARTS)],
+    "rules/stating/feasible_sums.py": [lambda _: sums_of_orders([INVENTED])],
     "rules/stating/reduced_statements.py": [
         lambda _: list(remaining_statements([INVENTED], Remainder(range(PARTS), {}))),
         lambda _: list(GantryStatements(alone()).of_first([INVENTED])),
@@ -188,6 +191,7 @@ REFUSES: dict[str, list[Refuses]] = {
     "benchmarks/flattened.py": [lambda _: said(INVENTED)],
     "apps/resequence/burn_order.py": [lambda _: list(_with_chains(FACTS, [INVENTED], []))],
     "jobs/plan_without_zones.py": [lambda _: without_moves([INVENTED])],
+    "jobs/route_paths.py": [lambda _: RoutePaths(FACTS, PROFILE, STATED)],
     "models/engines/baselines.py": [lambda _: solve_by("random", FACTS, PROFILE, (INVENTED,), OPTIONS, cold)],
 }
 """File → what is called there with the invented statement."""

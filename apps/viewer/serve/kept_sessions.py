@@ -171,10 +171,10 @@ class KeptSessions:
         if key in self._aside:
             return True
         beside = path.with_name(f"session.damaged-{secrets.token_hex(4)}.json")
-        is_lost = os.path.lexists(path) and not self._session(key)
+        is_lost = (path.exists() or path.is_symlink()) and not self._session(key)
         try:
             if is_lost:
-                path.rename(beside)
+                path.replace(beside)
         except OSError as error:
             self.why_not = error.strerror or str(error)
             return False

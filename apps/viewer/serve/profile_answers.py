@@ -181,7 +181,7 @@ def _pictures(rule: str, known: Mapping[str, Rule[Any]]) -> dict[str, str | None
 
 
 def _bytes_of(path: Path) -> bytes:
-    """A profile as it is now: what it was read from may be another file, or a pipe, by then."""
+    """A profile as it is now: what it was read from may be another file meanwhile, or a pipe."""
     return read_named(path, "the profile", MOST_BYTES_OF_YAML)
 
 

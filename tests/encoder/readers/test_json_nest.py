@@ -210,9 +210,12 @@ def test_bytes_that_are_no_text(tmp_path: Path) -> None:
     path.write_bytes(b'{"format": "\xff\xfe"}')
     with pytest.raises(InputError, match=r"not JSON: the file is not UTF-8 text \(byte 13: invalid start byte"):
         read_drawing(path)
-    path.write_bytes('{"format": 1}'.encode("utf-16"))
+    text = json.dumps(document())
+    path.write_bytes(text.encode("utf-16"))
     with pytest.raises(InputError, match=r"\(it is UTF-16: save it as UTF-8\)"):
         read_drawing(path)
+    path.write_bytes(text.encode())
+    assert read_drawing(path).contours
 
 
 def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:

@@ -41,14 +41,15 @@ SHARING = {
     "adaptive_zones": set(),
     "cooler_orders": set(),
     "heat_control": {"LATER", "LISTED"},
-    "first_plan": set(),
+    "first_plan": {"STAYED_MM"},
     "by_engine": set(),
     "plan_without_zones": set(),
     "request": set(),
     "time_limits": set(),
     "warm_up": set(),
 }
-"""Jobs that share out work and time, and what else they have: a share that follows from others, what is printed."""
+"""Jobs that share out work and time, and what else they have: a share that follows from others, what is printed,
+what counts as the same place."""
 
 
 def constants(source: str) -> Iterator[str]:

@@ -12,6 +12,7 @@ from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.request import options_for
 from kerfwise.pipeline import FinishedPlan, plan_nest
 from kerfwise.postproc.check import check, check_program
+from kerfwise.postproc.check.check import Besides
 from kerfwise.postproc.check.result import DRIFT, SAME, same
 from kerfwise.postproc.verdict import check_plan
 from kerfwise.rules.case import nest, part, rect
@@ -48,7 +49,7 @@ def test_a_program_that_makes_other_cuts_is_judged_by_itself() -> None:
     first, second, *rest = made.plan.cuts
     plan = replace(made.plan, cuts=(second, first, *rest))
     known = check_plan.check_plan(PLATE, plan, profile).by_rules
-    alone, beside = (check_program(PLATE, made.program, profile, known=k) for k in (None, known))
+    alone, beside = (check_program(PLATE, made.program, profile, besides=Besides(known=k)) for k in (None, known))
     assert alone == beside
 
 

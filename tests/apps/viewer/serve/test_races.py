@@ -106,9 +106,9 @@ def test_a_lock_that_is_made_while_a_written_profile_is_read_again(server: Answe
             return opened_as(given)
 
         server.answer = answer
-        await profile_writing._read_again(server, profile)
+        await profile_writing._read_again(server, profile, "written")
         return session
 
     session = in_a_loop(run())
     assert session.wanted.job_text == LOCK
-    assert session.wanted.profile_now
+    assert session.wanted.profile_now == "written"
