@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.active_rules import ActiveRules
 from kerfwise.rules.profile.sections import RuleSetting
 from kerfwise.rules.rule import Rule
+
+if TYPE_CHECKING:
+    from ortools.sat.python.cp_model import CpModel
 
 
 class HardOrders:
@@ -184,6 +188,53 @@ class Forcing:
             for run in book[rule].together(orders.nest, setting.options)
             for name in run
         }
+
+
+# Whether an order can be in which kept orders hold and more beside them: asked of a small model, again and again.
+
+WORK, WORK_IN_ALL = 5.0, 20.0
+"""CP-SAT's deterministic seconds for a question, and for all; what they do not refute counts as possible."""
+
+Order = TypeVar("Order")
+
+
+class ModelOfOrders(ABC, Generic[Order]):
+    """A model of all cuts in their order, asked with the same kept orders and others beside them.
+
+    `questions` counts those that it was asked.
+    """
+
+    def __init__(self) -> None:
+        self.questions, self._left = 0, WORK_IN_ALL
+        self._asked: tuple[Sequence[Order], CpModel] | None = None
+
+    @abstractmethod
+    def _model(self, kept: Sequence[Order]) -> CpModel:
+        """The model with the kept orders."""
+
+    @abstractmethod
+    def _ask(self, model: CpModel, orders: Sequence[Order]) -> None:
+        """Put orders to a model."""
+
+    def _refuted(self, kept: Sequence[Order], more: Sequence[Order]) -> bool:
+        """Whether the model shows that `more` cannot hold beside the kept orders; false where no work is left."""
+        from ortools.sat.python.cp_model import INFEASIBLE, CpSolver
+
+        if self._left <= 0:
+            return False
+        if self._asked is None or self._asked[0] is not kept:
+            self._asked = kept, self._model(kept)
+        model = self._asked[1].clone()
+        self._ask(model, more)
+        solver = CpSolver()
+        solver.parameters.num_workers = 1
+        solver.parameters.random_seed = 1
+        solver.parameters.catch_sigint_signal = False
+        solver.parameters.max_deterministic_time = min(WORK, self._left)
+        answer = solver.solve(model)
+        self.questions += 1
+        self._left -= solver.response_proto.deterministic_time
+        return bool(answer == INFEASIBLE)
 
 
 # What rules of each torch ask where several torches cut.

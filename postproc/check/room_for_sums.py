@@ -15,13 +15,11 @@ from kerfwise.arrays import Ints
 from kerfwise.encoder.graphs import Link
 from kerfwise.encoder.nest import Ids
 
-from .hard_orders import HardOrders
+from .hard_orders import HardOrders, ModelOfOrders
 
 if TYPE_CHECKING:
     from ortools.sat.python.cp_model import CpModel, IntVar
 
-WORK, WORK_IN_ALL = 5.0, 20.0
-"""CP-SAT's deterministic seconds for a question, and for all; what they do not refute counts as possible."""
 MOST_CELLS = 200_000
 """Where the model had more rows, for orders or between contours that sums are about, sums count as possible."""
 
@@ -69,7 +67,7 @@ def beside_sums(
     return found
 
 
-class SumsRoom:
+class SumsRoom(ModelOfOrders[Link]):
     """Answers whether sums can hold in an order of `n` things that keeps `runs` together.
 
     Examples
@@ -80,16 +78,16 @@ class SumsRoom:
     """
 
     def __init__(self, n: int, runs: Sequence[Sequence[int]], sums: Sequence[SumOfOrders]) -> None:
+        super().__init__()
         self._n, self._runs, self._sums = n, [set(run) for run in runs], sums
         self._pivots = self._few_that_meet_all({link for terms, _ in sums for link, _ in terms})
-        self._left = WORK_IN_ALL if len(self._pivots) ** 2 * n <= MOST_CELLS else 0.0
-        self._asked: tuple[Sequence[Link], CpModel] | None = None
+        self._small = len(self._pivots) ** 2 * n <= MOST_CELLS
 
     def none(self, kept: Sequence[Link], more: Link) -> bool:
         """Whether no order of all things keeps the runs, these orders and one more, and the sums."""
         if self._short([*kept, more]):
             return True
-        return self._left > 0 and len(self._pivots) * len(kept) <= MOST_CELLS and self._refuted(kept, more)
+        return self._small and len(self._pivots) * len(kept) <= MOST_CELLS and self._refuted(kept, [more])
 
     def _of_runs(self, orders: Iterable[Link]) -> list[Link]:
         """The orders, those into and out of a run asked of all that is in it."""
@@ -118,23 +116,6 @@ class SumsRoom:
             sum(weight for (before, after), weight in terms if not later[after] >> before & 1) < bound
             for terms, bound in self._sums
         )
-
-    def _refuted(self, kept: Sequence[Link], more: Link) -> bool:
-        """Whether the model shows that the sums cannot hold."""
-        from ortools.sat.python.cp_model import INFEASIBLE, CpSolver
-
-        if self._asked is None or self._asked[0] is not kept:
-            self._asked = kept, self._model(kept)
-        model = self._asked[1].clone()
-        self._ask(model, [more])
-        solver = CpSolver()
-        solver.parameters.num_workers = 1
-        solver.parameters.random_seed = 1
-        solver.parameters.catch_sigint_signal = False
-        solver.parameters.max_deterministic_time = min(WORK, self._left)
-        answer = solver.solve(model)
-        self._left -= solver.response_proto.deterministic_time
-        return bool(answer == INFEASIBLE)
 
     def _model(self, kept: Sequence[Link]) -> CpModel:
         """For each pivot and each thing, in turn, whether the thing comes before the pivot."""

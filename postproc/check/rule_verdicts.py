@@ -16,7 +16,7 @@ from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.active_rules import ActiveRules
 from kerfwise.rules.rule import Rule
 
-from .hard_orders import Forcing, HardOrders, applies_to, torch_of_each
+from .hard_orders import Forcing, HardOrders, ModelOfOrders, applies_to, torch_of_each
 from .result import Excused, Judgement, RelaxedStatement, excuse_relaxed
 from .room_for_sums import beside_sums
 
@@ -182,18 +182,14 @@ def _misplaced_orders(
 # What must come before a contour, or after it, is counted first. Where that says nothing, a small model of its own
 # answers: every run of contours that are cut in one go is an interval of the order, and no two overlap.
 
-WORK, WORK_IN_ALL = 5.0, 20.0
-"""CP-SAT's deterministic seconds for a question, and for all; where they do not show that there is no room, some
-counts as being there."""
-
 OrderedPair = tuple[str, str]
 Node = TypeVar("Node")
 
 
-class Room:
+class Room(ModelOfOrders[OrderedPair]):
     """Answers whether there is room for contours at the positions `at` (from 1 on), among all `names`.
 
-    `runs` are kept together. `questions` counts those that the model was asked.
+    `runs` are kept together.
 
     Examples
     --------
@@ -202,19 +198,17 @@ class Room:
     """
 
     def __init__(self, names: Sequence[str], runs: Sequence[Sequence[str]], at: Mapping[str, int]) -> None:
+        super().__init__()
         self._names, self._at = names, at
         self._run_of = {name: (name,) for name in names} | {name: tuple(run) for run in runs for name in run}
         self._runs = list(dict.fromkeys(self._run_of.values()))
-        self._left = WORK_IN_ALL
-        self._asked: tuple[Sequence[OrderedPair], CpModel] | None = None
-        self.questions = 0
 
     def none(self, orders: Sequence[OrderedPair], more: Sequence[OrderedPair] = ()) -> bool:
         """Whether no order of the names keeps the runs together, all orders (before, after), and the positions.
 
         What is asked with `more` orders beside the same list as before is answered sooner.
         """
-        return self._crowded([*orders, *more]) or (self._left > 0 and self._refuted(orders, more))
+        return self._crowded([*orders, *more]) or self._refuted(orders, more)
 
     def _crowded(self, orders: Sequence[OrderedPair]) -> bool:
         """Whether more must come before a position, or after it, than there is room for."""
@@ -235,24 +229,6 @@ class Room:
             else:
                 between[other].add(one)
         return len(_reached(within, name)) + sum(map(len, _reached(between, self._run_of[name])))
-
-    def _refuted(self, orders: Sequence[OrderedPair], more: Sequence[OrderedPair]) -> bool:
-        """Whether the model shows that there is no room."""
-        from ortools.sat.python.cp_model import INFEASIBLE, CpSolver
-
-        if self._asked is None or self._asked[0] is not orders:
-            self._asked = orders, self._model(orders)
-        model = self._asked[1].clone()
-        self._ask(model, more)
-        solver = CpSolver()
-        solver.parameters.num_workers = 1
-        solver.parameters.random_seed = 1
-        solver.parameters.catch_sigint_signal = False
-        solver.parameters.max_deterministic_time = min(WORK, self._left)
-        answer = solver.solve(model)
-        self.questions += 1
-        self._left -= solver.response_proto.deterministic_time
-        return bool(answer == INFEASIBLE)
 
     def _model(self, orders: Sequence[OrderedPair]) -> CpModel:
         """Where each run begins, then where each name is within its run, from 0 on."""

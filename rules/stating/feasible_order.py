@@ -6,11 +6,15 @@ from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from heapq import heappop, heappush
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kerfwise.encoder.graphs import Link, weak_components
 from kerfwise.rules.statements import About, AtLeast, Before, Statement, by_kind
+
+if TYPE_CHECKING:
+    from ortools.sat.python.cp_model import CpSolver
 
 # Positions that are firm, among orders that may give way: which orders must be dropped so that all positions can
 # hold.
@@ -24,6 +28,18 @@ MOST_ROWS = 100_000
 WORK = 1.0
 """CP-SAT's deterministic seconds, after which it is not shown which links weigh least."""
 ANY = 1 << 40
+
+
+def quiet_solver(work: float) -> CpSolver:
+    """One thread, a fixed seed and a limit in deterministic time, so that the same question has the same answer."""
+    from ortools.sat.python.cp_model import CpSolver
+
+    solver = CpSolver()
+    solver.parameters.num_workers = 1
+    solver.parameters.random_seed = 1
+    solver.parameters.catch_sigint_signal = False
+    solver.parameters.max_deterministic_time = work
+    return solver
 
 
 def positions(statements: Sequence[Statement], n: int) -> dict[int, int]:
@@ -201,7 +217,7 @@ class _Program:
 
     def least(self, weights: Sequence[int]) -> tuple[list[int], bool] | None:
         """The links dropped, at the least weight if `WORK` is enough to show that; None where nothing was found."""
-        from ortools.sat.python.cp_model import FEASIBLE, OPTIMAL, CpModel, CpSolver
+        from ortools.sat.python.cp_model import FEASIBLE, OPTIMAL, CpModel
 
         model = CpModel()
         columns = [model.new_bool_var("") for _ in range(self.columns)]
@@ -210,11 +226,7 @@ class _Program:
         for column, value in self.fixed.items():
             model.add(columns[column] == value)
         model.minimize(sum(weight * columns[k] for k, weight in enumerate(weights)))
-        solver = CpSolver()
-        solver.parameters.num_workers = 1
-        solver.parameters.random_seed = 1
-        solver.parameters.catch_sigint_signal = False
-        solver.parameters.max_deterministic_time = WORK
+        solver = quiet_solver(WORK)
         status = solver.solve(model)
         if status not in (OPTIMAL, FEASIBLE):
             return None

@@ -15,7 +15,7 @@ from itertools import permutations
 from kerfwise.encoder.graphs import Link
 from kerfwise.rules.statements import AtLeast, Before, Statement, by_kind
 
-from .feasible_order import MOST_ROWS, WORK, order_in_runs
+from .feasible_order import MOST_ROWS, WORK, order_in_runs, quiet_solver
 
 
 def sums_of_orders(statements: Iterable[Statement]) -> list[AtLeast]:
@@ -119,7 +119,7 @@ def _lightest(
     sums: Sequence[AtLeast],
 ) -> _Solved | None:
     """The links dropped, by the integer program; None where it would be too large."""
-    from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, OPTIMAL, CpModel, CpSolver
+    from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, OPTIMAL, CpModel
 
     pivots = _pivots(sums)
     rows = len(pivots) * (len(links) + n * len(runs) + n * len(pivots)) + sum(len(s.literals) for s in sums)
@@ -157,11 +157,7 @@ def _lightest(
         terms = [before[j][i] if j in before else before[i][j].negated() for i, j in pairs]
         model.add(sum(w * term for w, term in zip(s.weights, terms, strict=True)) >= s.bound)
     model.minimize(sum((weights[k] or 0) * literal for k, literal in dropped.items()))
-    solver = CpSolver()
-    solver.parameters.num_workers = 1
-    solver.parameters.random_seed = 1
-    solver.parameters.catch_sigint_signal = False
-    solver.parameters.max_deterministic_time = WORK
+    solver = quiet_solver(WORK)
     status = solver.solve(model)
     if status not in (OPTIMAL, FEASIBLE) or (status == FEASIBLE and solver.best_objective_bound < 1):
         return _Solved(None, status == INFEASIBLE)

@@ -28,7 +28,7 @@ from kerfwise.rules.statements import (
     candidates_named,
     contours_named,
 )
-from kerfwise.rules.stating.feasible_order import ends_of
+from kerfwise.rules.stating.feasible_order import ends_of, quiet_solver
 
 # Hard statements as a planner sees them: those with the same rule, contours and sentence are one.
 
@@ -133,16 +133,6 @@ def solver_within(deadline: Deadline, most: float) -> CpSolver:
         solver.parameters.max_time_in_seconds = deadline.left
     else:
         solver.parameters.max_deterministic_time = min(most, deadline.left)
-    return solver
-
-
-def quiet_solver(work: float) -> CpSolver:
-    """One thread, a fixed seed and a limit in deterministic time, so that the same question has the same answer."""
-    solver = CpSolver()
-    solver.parameters.num_workers = 1
-    solver.parameters.random_seed = 1
-    solver.parameters.catch_sigint_signal = False
-    solver.parameters.max_deterministic_time = work
     return solver
 
 

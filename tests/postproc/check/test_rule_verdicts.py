@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.postproc.check import rule_verdicts
+from kerfwise.postproc.check import hard_orders
 from kerfwise.postproc.check.hard_orders import Forcing, HardOrders
 from kerfwise.postproc.check.rule_verdicts import Room
 from kerfwise.rule_kit import CutSequence
@@ -133,7 +133,7 @@ def test_questions_end_when_the_work_for_all_is_spent(monkeypatch: pytest.Monkey
     """Two positions together leave no room for the orders, which counting for one after the other does not tell."""
     at, orders = {"a": 2, "b": 3}, [("c", "b"), ("d", "b")]
     assert Room(NAMES, (), at).none(orders)
-    monkeypatch.setattr(rule_verdicts, "WORK_IN_ALL", 0.0)
+    monkeypatch.setattr(hard_orders, "WORK_IN_ALL", 0.0)
     room = Room(NAMES, (), at)
     assert not room.none(orders)
     assert room.questions == 0
