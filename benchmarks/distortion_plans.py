@@ -154,7 +154,7 @@ def table(rows: Mapping[str, Row]) -> Iterator[str]:
             if f"shape {way}" in row:
                 share = row[f"shape {way}"][0] / row[f"default {way}"][0]
                 shares.setdefault(process, {}).setdefault(f"shape, {way}", []).append(share)
-        last = row.get("both", row["shape"])
+        last = next(row[way] for way in ("both", "shape", "size", "default") if way in row)
         if "both" in row:
             shares[process].setdefault("time of both", []).append(last[2] / first[2])
         yield (

@@ -33,6 +33,8 @@ CLOSE_MM = 0.005
 LEAST_TOLD = 0.005
 """mm per m that are worth a word."""
 MOST_PIECES = 64
+TOLD_APART = 0.01
+"""Fields that are so nearly alike at the points followed share what is found: round a disc, x² + y² is a mere shift."""
 
 
 def fitted(part: Part, error: PartError, kind: Kind) -> Change:
@@ -44,8 +46,10 @@ def fitted(part: Part, error: PartError, kind: Kind) -> Change:
     columns += [np.broadcast_to(shift, error.xy.shape) for shift in np.eye(2)]
     root = np.sqrt(error.length_mm)[:, None]
     weighed = (np.stack(columns, axis=-1) * root[:, :, None]).reshape(-1, len(columns))
-    best = np.linalg.lstsq(weighed, (error.off * root).ravel(), rcond=None)[0][: len(fields)]
-    by = np.tensordot(best, fields, 1)
+    norms = np.linalg.norm(weighed, axis=0)
+    norms[norms == 0.0] = 1.0
+    best = np.linalg.lstsq(weighed / norms, (error.off * root).ravel(), rcond=TOLD_APART)[0] / norms
+    by = np.tensordot(best[: len(fields)], fields, 1)
     turned = (by[1, 0] - by[0, 1]) / 2  # where the part lies is nobody's concern
     return Change(middle_of(part), by - turned * turn)
 
@@ -112,10 +116,12 @@ def compensated(nest: Nest, errors: Sequence[PartError], kind: Kind, kerf_mm: fl
         off = fitted(part, error, kind)
         before = change_of(part)
         change = Change(off.middle, (0.0 if before is None else before.by) - off.by)
-        if abs(change.share) > MOST_SHARE:
+        corners = part.outer.polygon.exterior.envelope.exterior.coords[:4]
+        moved_mm, most_mm = np.hypot(*change.at(np.array(corners)).T).max(), MOST_SHARE * math.dist(*corners[::2]) / 2
+        if moved_mm > most_mm:
             raise InputError(
-                f"{escape_text(part.id)} would be drawn {1 + change.share:.4f} times as large, more than any cut asks "
-                f"for ({1 + MOST_SHARE:g}): look at heat.absorbed_power_w and at the material"
+                f"{escape_text(part.id)} would be drawn otherwise by {moved_mm:.2f} mm, more than any cut asks for "
+                f"({most_mm:.2f} mm): look at heat.absorbed_power_w and at the material"
             )
         said = {"along_x": change.by[0].round(6).tolist(), "along_y": change.by[1].round(6).tolist()}
         parts[k] = replace(
