@@ -368,7 +368,7 @@ def time_made(inputs: Inputs, source: Plan | str | Path, tell: Tell = silent, tr
     else:
         program = read_program_of(source, inputs, tell, trusted)
         by_itself = profile.time.model == "constant"
-        own, job = (job_of_program(program, nest, by, profile.kerf_starts) for by in (profile, None))
+        own, job = (job_of_program(program, nest, profile, own_feeds) for own_feeds in (True, False))
         at_own = profile.time.model == "acceleration"
         model = "the profile's acceleration at its own feeds" if at_own else "the profile's model"
         by = "its own" if by_itself else model

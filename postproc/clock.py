@@ -18,6 +18,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import TOLERANCE_MM
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.scrap import remnant_of
+from kerfwise.encoder.small_holes import with_small_holes
 from kerfwise.encoder.torch_path import compensated
 from kerfwise.models.physics.motion import Accelerated, ConstantFeed, Motion
 from kerfwise.models.physics.time_and_cost import (
@@ -34,6 +35,7 @@ from kerfwise.models.physics.time_and_cost import (
     times_of,
 )
 from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.postproc.check.matching import Matcher
 from kerfwise.postproc.check.reader.program import NcProgram, at_holes
 from kerfwise.postproc.check.reader.read_program import Trusted, read_on_machine
 from kerfwise.postproc.nc.program import blocks_of_plan, count_blocks
@@ -105,26 +107,29 @@ def job_of_plan(plan: Plan, nest: Nest, profile: Technique) -> Job:
 
 
 def job_of_program(
-    program: NcProgram, nest: Nest | None, own: Technique | None = None, kerf_starts: bool = False
+    program: NcProgram, nest: Nest | None, profile: Technique | None = None, own_feeds: bool = False
 ) -> Job:
     """What a program does, as the check reads it; the nest, if there is one, tells which cuts come in from the edge.
 
-    With a profile every path takes as long as the program's own F words and G4 say, and piercing as long as that
-    profile's machine does it for, where its dialect leaves that to the machine. With `kerf_starts` nothing is pierced
-    where an earlier path has run.
+    With a profile, small holes are cut as slowly as it has them cut, and where it lets the torch begin in older kerfs
+    nothing is pierced there. With `own_feeds` every path takes as long as the program's own F words and G4 say, and
+    piercing as long as the profile's machine does it for, where its dialect leaves that to the machine.
     """
     starts = [burn.path.start for burn in program.burns]
     edge_starts = [False] * len(starts) if nest is None else outside(nest, starts)
-    if kerf_starts:
+    if profile is not None and profile.kerf_starts:
         edge_starts = [a or b for a, b in zip(edge_starts, _starts_in_older_kerfs(program, starts), strict=True)]
+    shares = [1.0] * len(starts)
+    if profile is not None and nest is not None and not own_feeds:
+        shares = _small_hole_shares(program, nest, profile)
     runs = []
     holes = at_holes(program)
-    for burn, edge_start, hole in zip(program.burns, edge_starts, holes, strict=True):
+    for burn, edge_start, hole, share in zip(program.burns, edge_starts, holes, shares, strict=True):
         pierced = not (edge_start or hole)
-        run = Run(burn.path, burn.tool != 0, pierced, burn.travels_mm, burn.wait_s, unlit_mm=burn.unlit_mm)
-        run = replace(run, standing_s=0.0) if hole else run
-        run = replace(run, feed_share=burn.lean_share) if burn.tilted else run
-        if own is not None:
+        share *= burn.lean_share if burn.tilted else 1.0
+        run = Run(burn.path, burn.tool != 0, pierced, burn.travels_mm, burn.wait_s, None, None, share)
+        run = replace(run, unlit_mm=burn.unlit_mm, standing_s=0.0 if hole else None)
+        if own_feeds:
             run = replace(run, moving_s=burn.moving_s, standing_s=burn.held_s + burn.pierce_s + burn.paused_s)
         runs.append(run)
     return Job(tuple(runs), program.homing_mm, program.blocks)
@@ -132,8 +137,7 @@ def job_of_program(
 
 def time_program(program: NcProgram, nest: Nest | None, profile: Technique) -> Timed:
     """The times of a program by the model of the profile: by its own words where that is the constant feed."""
-    own = profile if profile.time.model == "constant" else None
-    return time_job(job_of_program(program, nest, own, profile.kerf_starts), profile)
+    return time_job(job_of_program(program, nest, profile, own_feeds=profile.time.model == "constant"), profile)
 
 
 def read_program(
@@ -173,6 +177,19 @@ def with_times(plan: Plan, nest: Nest, profile: Technique) -> Plan:
 def _stands(at: Point) -> Curve:
     """A path that goes nowhere."""
     return Curve.of([at], closed=False)
+
+
+def _small_hole_shares(program: NcProgram, nest: Nest, profile: Technique) -> list[float]:
+    """The share of the cut feed that the size of its hole allows each burn."""
+    as_cut, shares = with_small_holes(nest, profile.hole_limits()), [1.0] * len(program.burns)
+    if all(contour.feed_share == 1 for contour in as_cut.contours):
+        return shares
+    torch = [k for k, burn in enumerate(program.burns) if burn.tool == 0 and not burn.pierces_only]
+    lines = [program.burns[k].path.line() for k in torch]
+    found = Matcher(as_cut, profile.material.kerf_mm).match(lines, [False] * len(torch), [None] * len(torch))
+    for k, match in zip(torch, found, strict=True):
+        shares[k] = 1.0 if match is None else as_cut.contours[match.contour].feed_share
+    return shares
 
 
 def _starts_in_older_kerfs(program: NcProgram, starts: Sequence[Point]) -> list[bool]:

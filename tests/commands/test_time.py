@@ -83,7 +83,7 @@ def test_a_plants_own_points_acceleration_and_prices(files: tuple[Path, Path], t
 def test_a_program_whose_feeds_are_not_the_profiles_is_noted(files: tuple[Path, Path]) -> None:
     other = kerfwise("time", NEST, files[1])
     assert other.code == 0
-    said = "by its own words the program cuts for 57.0 s, at the profile's feeds for 136.8 s"
+    said = "by its own words the program cuts for 57.0 s, at the profile's feeds for 137.0 s"
     assert other.err.startswith(f"note: {said}; the times below are by its own\n")
     assert other.out.startswith("cut          57.0 s")
     assert kerfwise("time", NEST, files[1], "-p", LASER).err == ""

@@ -124,7 +124,7 @@ def test_the_plan_file_keeps_spans_and_gives_the_same_program(tmp_path: Path) ->
 def test_clock_and_heat_of_plan_and_program_are_the_same() -> None:
     program = read_program(text(), SHEET, given())
     of_plan = job_of_plan(planned(), SHEET, given())
-    of_program = job_of_program(program, SHEET, kerf_starts=True)
+    of_program = job_of_program(program, SHEET, given())
     assert of_plan.pierces == of_program.pierces == planned().totals.pierces
     assert of_plan.on_mm == pytest.approx(of_program.on_mm, abs=0.1)
     assert of_plan.idle_mm == pytest.approx(of_program.idle_mm, abs=0.1)

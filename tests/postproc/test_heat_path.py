@@ -89,7 +89,7 @@ def test_pierces_that_the_dialect_leaves_to_the_machine_are_as_profiled() -> Non
 
 def test_the_clock_counts_a_programs_own_words_too() -> None:
     def times(text: str) -> tuple[float, float, float]:
-        found = time_job(job_of_program(read_program(text, SHEET, PLANT), SHEET, PLANT), PLANT).times
+        found = time_job(job_of_program(read_program(text, SHEET, PLANT), SHEET, PLANT, own_feeds=True), PLANT).times
         return found.cut_s, found.pierce_s, found.total_s
 
     cut_s, pierce_s, total_s = times(PROGRAM)

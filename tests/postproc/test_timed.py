@@ -13,6 +13,7 @@ from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan, check_program
 from kerfwise.rule_kit import circle, nest, part, rect
 from kerfwise.rules.profile.plant_sections import PierceDwell
+from kerfwise.rules.profile.sections import SmallHoles
 from kerfwise.rules.profile.time_section import Time, shipped_laws
 from kerfwise.tests.postproc.plans import cut_of, good_cuts, plan_of, plate, profile
 
@@ -20,6 +21,11 @@ PLAIN = profile()
 BLOCKS = replace(PLAIN, time=Time("blocks", shipped_laws()["bystar-3015-amg3m-1mm"]))
 LIMITED = replace(PLAIN, time=Time("acceleration", acceleration_mm_s2=500.0))
 AWAY = replace(PLAIN, machine=replace(PLAIN.machine, home=(-50.0, 30.0), pierce_time_s=0.0))
+SLOW_HOLES = SmallHoles(full_feed_hole=40.0, small_hole_feed=0.5)
+SLOW = {
+    f"slow holes, {name}": replace(of, small_holes=SLOW_HOLES)
+    for name, of in (("blocks", BLOCKS), ("acceleration", LIMITED))
+}
 MODELS = pytest.mark.parametrize("plant", [PLAIN, BLOCKS, LIMITED, AWAY], ids=["constant", "blocks", "limited", "away"])
 
 
@@ -28,12 +34,14 @@ def made(plant: Profile) -> tuple[Nest, Plan]:
     return sheet, plan_of(sheet, good_cuts(sheet), plant)
 
 
-@MODELS
+@pytest.mark.parametrize(
+    "plant", [PLAIN, BLOCKS, LIMITED, AWAY, *SLOW.values()], ids=["constant", "blocks", "limited", "away", *SLOW]
+)
 def test_a_plan_and_its_program_have_the_same_blocks_and_times(plant: Profile) -> None:
     sheet, plan = made(plant)
     program = write_program(plan, sheet, plant)
     planned = job_of_plan(plan, sheet, plant)
-    written = job_of_program(read_program(program, sheet, plant), sheet)
+    written = job_of_program(read_program(program, sheet, plant), sheet, plant)
     numbered = [line for line in program.splitlines() if line.startswith("N")]
     assert planned.nc_blocks == written.nc_blocks == len(numbered)
     assert (planned.pierces, planned.on_mm) == (written.pierces, pytest.approx(written.on_mm, abs=0.01))
