@@ -24,9 +24,11 @@ from ezdxf.entities.ellipse import Ellipse
 from ezdxf.entities.insert import Insert
 from ezdxf.entities.line import Line
 from ezdxf.entities.lwpolyline import LWPolyline
+from ezdxf.entities.mtext import MText
 from ezdxf.entities.point import Point
 from ezdxf.entities.polyline import Polyline
 from ezdxf.entities.spline import Spline
+from ezdxf.entities.text import Text
 from ezdxf.math import OCS, BSpline, ConstructionEllipse, Vec3
 from ezdxf.path import Path, make_path
 from ezdxf.transform import copies
@@ -255,7 +257,7 @@ def curve(entity: DXFGraphic, scale: float) -> Curve | None:
             return _polyline(entity.ocs(), points, entity.is_closed, _tilt(entity), scale)
 
 
-FLAT = (Arc, Circle, Ellipse, LWPolyline)
+FLAT = (Arc, Circle, Ellipse, LWPolyline, Text, MText)
 """Types that are drawn on a plane of their own."""
 
 
@@ -276,13 +278,15 @@ def _vertices(line: Polyline) -> list[DXFNamespace]:
 
 
 def points_in_space(entity: DXFGraphic) -> list[Vec3]:
-    """The points of a line that is drawn on no plane: ends, vertices, control points of a spline; [] for all others."""
+    """The points of a line that need lie on no plane: ends, vertices, control points of a spline; [] for all others."""
     if isinstance(entity, Line):
         return [entity.dxf.start, entity.dxf.end]
     if isinstance(entity, Spline):
         return list(Vec3.generate(entity.control_points if len(entity.control_points) else entity.fit_points))
     if isinstance(entity, Polyline) and entity.is_3d_polyline:
         return [v.location for v in _vertices(entity)]
+    if isinstance(entity, Polyline) and entity.is_2d_polyline and not is_tilted(entity):
+        return list(entity.ocs().points_to_wcs(v.location for v in _vertices(entity)))
     return []
 
 

@@ -196,14 +196,14 @@ _SAME_MM = 0.02
 
 
 def broken_bridges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Iterator[Violation]:
-    """Bridges that a kerf enters, that meet a third part, or that the outline and holes which are cut do not have.
+    """Bridges that a kerf enters, or that the outline and holes which are cut do not have.
 
-    The areas of parts and strips are put together here once more, from the parts and bridges as they were drawn.
+    The kerf of a third part enters the bridge that lies on it. The areas of parts and strips are put together here once
+    more, from the parts and bridges as they were drawn.
     """
     if not nest.bridges:
         return
     metal = dict(zip((part.id for part in nest.apart), part_metal(nest.apart), strict=True))
-    yield from _third_parts(nest, metal)
     yield from _other_outlines(nest, metal)
     paths = [(run, line) for run in runs if not run.marks for line in (run.loop, *run.leads)]
     tree = shapely.STRtree([line for _, line in paths])
@@ -216,15 +216,6 @@ def broken_bridges(nest: Nest, runs: Sequence[TorchRun], kerf_mm: float) -> Iter
             text = f"the kerf of {run.name} enters {bridge.name} at ({x:z.1f}, {y:z.1f})"
             yield run.wrong(_BRIDGE_RULE, text)
             break
-
-
-def _third_parts(nest: Nest, metal: Mapping[str, shapely.Geometry]) -> Iterator[Violation]:
-    for bridge in nest.bridges:
-        for part in nest.apart:
-            if part.id not in bridge.parts and shapely.intersects(_strip(bridge), metal[part.id]):
-                yield Violation(
-                    _BRIDGE_RULE, (part.outer.id,), f"{bridge.name} lies on part {part.id}, which it does not join"
-                )
 
 
 def _other_outlines(nest: Nest, metal: Mapping[str, shapely.Geometry]) -> Iterator[Violation]:

@@ -64,7 +64,7 @@ def test_a_program_that_cuts_the_parts_apart_is_told(tmp_path: Path) -> None:
 
 
 def test_a_wrong_union_cannot_hide(tmp_path: Path) -> None:
-    """A nest whose joined outline misses one strip, or is on a third part, is told by both judges."""
+    """A nest whose joined outline is elsewhere than its parts and strips are is told."""
     assert solve(nest_file(tmp_path, ROWS[:1], "one.json")).code == 0
     text = (tmp_path / "one.nc").read_text(encoding="utf-8")
     sound = read_nest(tmp_path / "one.json")
@@ -75,9 +75,6 @@ def test_a_wrong_union_cannot_hide(tmp_path: Path) -> None:
     wrong: Nest = replace(sound, parts=(part, *sound.parts[1:]))
     told = {j.id for j in checked(wrong, text).rules if j.violations}
     assert "bridges" in told
-    on_third = replace(sound, bridges=(*sound.bridges, replace(sound.bridges[0], start=(120, 30), end=(250, 30))))
-    broken = {j.id: " ".join(v.text for v in j.violations) for j in checked(on_third, text).rules}
-    assert "lies on part C, which it does not join" in broken["bridges"]
 
 
 @pytest.mark.parametrize(

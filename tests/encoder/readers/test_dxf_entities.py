@@ -67,6 +67,13 @@ def test_a_3d_polyline_is_seen_from_above(tmp_path: Path) -> None:
 
 STAIRS = [(10, 10, 0), (50, 10, 30), (50, 50, 0)]
 MARK = {"layer": "Mark"}
+BEHIND, SEEN_BEHIND = [(-x, y) for x, y, _ in STAIRS], {"extrusion": (0, 0, -1)}
+
+
+def rise(line: Any) -> None:
+    """Lift the vertices of a 2D polyline, whose heights the format allows and nobody draws."""
+    for vertex, (_, _, z) in zip(line.vertices, STAIRS, strict=True):
+        vertex.dxf.location = vertex.dxf.location.replace(z=z)
 
 
 def turned_up(space: Any) -> None:
@@ -81,6 +88,8 @@ def turned_up(space: Any) -> None:
         (lambda space: space.add_line(*STAIRS[:2], MARK), "LINE", 10),
         (lambda space: space.add_polyline3d(STAIRS, dxfattribs=MARK), "POLYLINE", 20),
         (lambda space: space.add_open_spline(STAIRS, 2, dxfattribs=MARK), "SPLINE", 20),
+        (lambda space: rise(space.add_polyline2d(STAIRS, format="xy", dxfattribs=MARK)), "POLYLINE", 20),
+        (lambda space: rise(space.add_polyline2d(BEHIND, format="xy", dxfattribs=MARK | SEEN_BEHIND)), "POLYLINE", 20),
         (lambda space: space.add_spline(STAIRS, dxfattribs=MARK), "SPLINE", 20),
         (lambda space: space.add_helix(5, 20, 3, dxfattribs=MARK).translate(10, 10, 0), "HELIX", None),
         (turned_up, "LINE", 10),

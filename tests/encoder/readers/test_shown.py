@@ -307,11 +307,13 @@ def test_tilted_planes_and_layers_without_print_are_said(tmp_path: Path) -> None
         lines(space, square(0, 0, 100))
         centre = OCS((0, -1, 1)).from_wcs(Vec3(50, 50, 0))
         space.add_circle(centre, 10, dxfattribs={"extrusion": (0, -1, 1), "layer": "3D"})
+        for add in (space.add_text, space.add_mtext):
+            add("A1", dxfattribs={"insert": (30, 30), "extrusion": (0, -1, 1), "layer": "3D"})
         space.doc.layers.add("Holes").dxf.plot = 0
         space.add_circle((20, 20), 5, dxfattribs={"layer": "Holes"})
 
     notes = texts(read_drawing(save_dxf(tmp_path, draw), frame="part").notes)
-    assert "drawn on a tilted plane, and read as it is seen from above: 1 on '3D'" in notes
+    assert "drawn on a tilted plane, and read as it is seen from above: 3 on '3D'" in notes
     assert "on layers that are never printed, and read like all others: 1 on 'Holes'" in notes
 
 

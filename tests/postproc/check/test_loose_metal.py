@@ -218,6 +218,18 @@ def test_a_wrong_rectangle_of_strips_cannot_hide(monkeypatch: pytest.MonkeyPatch
     assert text.startswith("OF_BRIDGES+B.outer is not the outline of its parts and bridges at (")
 
 
+@pytest.mark.parametrize("third", [part("C", rect(83, y, 10, h)) for y, h in ((20, 60), (39, 2), (41.9, 20))])
+def test_a_bridge_over_a_third_part_cannot_hide(monkeypatch: pytest.MonkeyPatch, third: Part) -> None:
+    """Where the reading lets a strip lie on a part that it does not join, that part's kerf enters it."""
+    monkeypatch.setattr("kerfwise.encoder.bridges._expect_clear", lambda *_: None)
+    strip = Bridge(("OF_BRIDGES", "B"), (75, 40), (100, 40), 4.0, 1)
+    apart = nest(400, 200, OF_BRIDGES, part("B", rect(96, 20, 60, 60)), third)
+    sheet = with_bridges(replace(apart, bridges=(strip,)))
+    runs = runs_from_cuts(sheet, in_order(sheet, " ".join(c.id for c in sheet.contours)), 1.5)[0]
+    (text,) = [v.text for v in broken_bridges(sheet, runs, 1.5)]
+    assert "the kerf of C.outer enters bridge 1" in text
+
+
 @pytest.mark.parametrize("under", ["spot", "skip"])
 def test_small_holes_and_pockets_that_a_profile_does_not_cut_are_as_drawn(under: Under) -> None:
     profile = load_profile()
