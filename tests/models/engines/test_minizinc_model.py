@@ -124,7 +124,8 @@ def alone(rule: str, locked: str) -> Profile:
     base = load_profile()
     rules = {}
     for name, setting in base.rules.items():
-        strongest = "hard" if name == rule or "off" not in RULES[name].strengths else "off"
+        never_off = name in RULES and "off" not in RULES[name].strengths  # an installed package's rule can be off
+        strongest = "hard" if name == rule or never_off else "off"
         rules[name] = RuleSetting(strongest, None, setting.options)  # type: ignore[arg-type]
     if rule == "zone-order":
         rules[rule] = replace(rules[rule], options=replace(rules[rule].options, zone_contours=2))
