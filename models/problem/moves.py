@@ -18,6 +18,9 @@ LAWFUL_MOST = 1 << 47
 """µm: what costs more is no lawful move, and no lawful plan, for such cost less than half of it. A link may cost less
 than nothing, so that an unlawful one costs somewhat less than `UNLAWFUL`."""
 
+SPARSE = 8
+"""Where fewer than one place in so many of a table has a number, to look for these is quicker than to add them all."""
+
 # A number for each ordered pair of things, most of them 0: things that are alike share a row and a column.
 
 
@@ -86,6 +89,18 @@ class PairTable:
         small[here[there >= 0], there[there >= 0]] = self.value[kept[there >= 0]]
         return small[of_row.reshape(-1)][:, of_column.reshape(-1)]
 
+    def add_to(self, table: Ints, leave: Ints, reach: Ints) -> None:
+        """Add what is `between` them to a table (k, l), place by place where few have a number."""
+        rows, row, in_row = _alike_to(self.row[leave], self.key // self.width)
+        columns, column, in_column = _alike_to(self.column[reach], self.key % self.width)
+        places = in_row * in_column
+        if places.sum() > table.size // SPARSE:
+            table += self.between(leave, reach)
+            return
+        key = np.repeat(np.arange(len(places)), places)
+        down, along = np.divmod(concat_ranges(np.zeros_like(places), places), in_column[key])
+        table[rows[row[key] + down], columns[column[key] + along]] += self.value[key]
+
     def each(self, leave: Ints, reach: Ints) -> Ints:
         """From `leave[k]` to `reach[k]`, (k,)."""
         if not len(self):
@@ -93,6 +108,13 @@ class PairTable:
         keys = self.row[leave] * self.width + self.column[reach]
         at = np.minimum(np.searchsorted(self.key, keys), len(self.key) - 1)
         return np.where(self.key[at] == keys, self.value[at], 0)
+
+
+def _alike_to(kinds: Ints, wanted: Ints) -> tuple[Ints, Ints, Ints]:
+    """Things in order of their kinds, and of each kind that is wanted the first of them there, and how many are."""
+    order = np.argsort(kinds, kind="stable")
+    first, after = (np.searchsorted(kinds[order], wanted, side=side) for side in ("left", "right"))
+    return order, first, after - first
 
 
 def _once(groups: Iterable[tuple[Ints, Ints, int]], which: int) -> Iterable[tuple[Ints, Ints, int]]:

@@ -280,10 +280,13 @@ class Problem:
             ends, pierces = self._at(self.end_um, leave), self._at(self.pierce_um, reach)
             table = np.empty((len(ends), len(pierces)), dtype=np.int64)
             rows = max(1, AT_ONCE // max(1, len(pierces)))
+            room = np.empty((2, rows, len(pierces)))
             for k in range(0, len(ends), rows):
-                far, up = (np.subtract.outer(ends[k : k + rows, axis], pierces[:, axis]) for axis in (0, 1))
-                far *= far
-                up *= up
+                some = ends[k : k + rows]
+                far, up = room[:, : len(some)]
+                for axis, away in enumerate((far, up)):
+                    np.subtract.outer(some[:, axis], pierces[:, axis], out=away)
+                    away *= away
                 far += up
                 np.sqrt(far, out=far)
                 far *= self.travel_weight
@@ -291,7 +294,7 @@ class Problem:
         if len(self.links):
             self.links.laid_over(table, np.asarray(leave), np.asarray(reach))
         if self.matrix is None and len(self.moves.price):
-            table += self.moves.price.between(np.asarray(leave, dtype=np.int64), np.asarray(reach, dtype=np.int64))
+            self.moves.price.add_to(table, np.asarray(leave, dtype=np.int64), np.asarray(reach, dtype=np.int64))
         return table
 
     def legs(self, leave: Ints | Sequence[int], reach: Ints | Sequence[int]) -> Ints:

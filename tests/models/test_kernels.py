@@ -77,6 +77,14 @@ def test_a_second_run_loads_what_the_first_has_kept(folder: Path) -> None:
     assert (hits(second), told) == (2, [])
 
 
+def test_what_compiling_takes_is_not_made_ready_where_kernels_are_loaded(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, told = run()
+    context = type(run()[0].dispatcher.targetctx)
+    monkeypatch.setattr(context, "refresh", lambda self: pytest.fail("60 modules are loaded for this"))
+    loaded, _ = run()
+    assert (hits(loaded), told) == (2, [])
+
+
 DAMAGE: dict[str, Callable[[bytes], bytes]] = {
     "empty": lambda data: b"",
     "one byte": lambda data: data[:1],

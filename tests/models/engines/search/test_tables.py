@@ -7,6 +7,8 @@ import pytest
 
 from kerfwise.models.engines.search.state import travel
 from kerfwise.models.engines.search.state.route_state import TablesOf, make_tables
+from kerfwise.models.problem import moves
+from kerfwise.models.problem.moves import PairTable
 from kerfwise.models.problem.problem import Problem
 from kerfwise.tests.models.problems import scattered
 
@@ -50,3 +52,14 @@ def test_a_matrix_made_in_parts_is_that_of_the_single_moves() -> None:
     assert whole.size > 3 * 30_000
     for site in (0, 100, wide.m - 1, wide.m):
         assert (whole[site] == wide.legs(np.full(wide.m + 1, site), sites)).all()
+
+
+@pytest.mark.parametrize("sparse", [1, 10**9])
+def test_prices_are_added_alike_place_by_place_and_all_at_once(sparse: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(moves, "SPARSE", sparse)
+    groups = [(np.array([0, 1, 2]), np.array([4, 5]), 5), (np.array([1, 2]), np.array([5, 7]), 7)]
+    table, leave, reach = PairTable.of(9, groups), np.array([2, 8, 1, 2]), np.array([5, 0, 7])
+    priced = np.ones((4, 3), dtype=np.int64)
+    table.add_to(priced, leave, reach)
+    assert (priced == 1 + table.between(leave, reach)).all()
+    assert priced.max() == 13
