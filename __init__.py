@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from .apps.edit.api import edit
     from .apps.edit.edited_nest import EditedNest
     from .apps.nesting.api import make, nest
-    from .apps.nesting.result import Nests
+    from .apps.nesting.nest_list import Nests
     from .apps.pareto.api import trade_off
     from .apps.pareto.pareto import Offer
     from .apps.resequence.api import resequence

@@ -26,7 +26,7 @@ VERBS = {
 NAMES = {
     "Comparison": "viewer.compare.output",
     "EditedNest": "edit.edited_nest",
-    "Nests": "nesting.result",
+    "Nests": "nesting.nest_list",
     "Offer": "pareto.pareto",
     "Resequenced": "resequence.result",
     "compare": "viewer.compare.api",

@@ -27,8 +27,8 @@ import kerfwise
 from kerfwise import solve
 from kerfwise.apps.bench.bench_child import peak_mb
 from kerfwise.apps.distortion.cutting import Cutting, cut_sheet
+from kerfwise.apps.distortion.elasticity import METALS, Band, yielded
 from kerfwise.apps.distortion.predict import distort_path
-from kerfwise.apps.distortion.yielding import METALS, Band, yielded
 from kerfwise.benchmarks.distortion_rules import made_nest
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest

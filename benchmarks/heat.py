@@ -33,7 +33,7 @@ from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.engines.tuning import COOLER_ORDERS_DRAWN as ORDERS
 from kerfwise.models.physics.heat import simulate
-from kerfwise.models.physics.heat.grid import Grid, make_grid
+from kerfwise.models.physics.heat.timed_path import Grid, make_grid
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken

@@ -249,7 +249,7 @@ def command(
     from kerfwise.pipeline import plan_nest
     from kerfwise.postproc.output_files import remnant_names
 
-    from .progress import ProgressLine
+    from .terminal import ProgressLine
 
     lock_from = stopped.lock_from
     outputs = outputs.checked(Path(options["nest"]), lock_from, start_path)

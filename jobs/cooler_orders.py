@@ -32,9 +32,8 @@ from kerfwise.models.engines.tuning import COOLER_ORDERS_DRAWN as ORDERS
 from kerfwise.models.engines.tuning import COOLER_ROUNDS as ROUNDS
 from kerfwise.models.engines.tuning import MOST_PULLED, NEARBY_WEIGHT
 from kerfwise.models.heat_prices import HeatPrices, HeatTerms, fit_prices, priced_statements
-from kerfwise.models.physics.heat.grid import Regions, make_grid
 from kerfwise.models.physics.heat.simulate import simulate
-from kerfwise.models.physics.heat.timed_path import TimedPath
+from kerfwise.models.physics.heat.timed_path import Regions, TimedPath, make_grid
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.plant_sections import Heat

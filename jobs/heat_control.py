@@ -22,9 +22,8 @@ from kerfwise.models.engines.tuning import HEAT_RAISE as RAISE
 from kerfwise.models.engines.tuning import HEAT_ROUNDS as ROUNDS
 from kerfwise.models.heat_prices import NEAR_BANDS
 from kerfwise.models.jit import running_s
-from kerfwise.models.physics.heat.grid import Grid, make_grid
 from kerfwise.models.physics.heat.pacing import Heated, Pacing, hot_spots, pace
-from kerfwise.models.physics.heat.timed_path import TimedPath
+from kerfwise.models.physics.heat.timed_path import Grid, TimedPath, make_grid
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.plan import SIMULATION, WAITS, Plan
 from kerfwise.models.problem.compile import make_problem

@@ -21,9 +21,9 @@ from kerfwise.encoder.small_holes import diameter_under
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.nc.program import ARCS_REFITTED
 from kerfwise.rules.options.yaml_positions import wrong_at
-from kerfwise.rules.profile.key_places import where_said
 from kerfwise.rules.profile.load import DEFAULT, load_profile
 from kerfwise.rules.profile.profile import Profile
+from kerfwise.rules.profile.profile_yaml import where_said
 
 if TYPE_CHECKING:
     from kerfwise.encoder.readers.options import FrameName, ReadOptions

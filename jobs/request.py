@@ -15,8 +15,14 @@ from kerfwise.encoder.candidates.candidate import Candidate, LeadOptions
 from kerfwise.encoder.candidates.common_edges import facing_edges
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
 from kerfwise.encoder.candidates.snake import rows_of, snake_of
-from kerfwise.encoder.candidates.split_rounds import split_ways, to_be_split
-from kerfwise.encoder.candidates.stretches import StretchWays, begun_by, past_ways, with_stretches
+from kerfwise.encoder.candidates.stretches import (
+    StretchWays,
+    begun_by,
+    past_ways,
+    split_ways,
+    to_be_split,
+    with_stretches,
+)
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.errors import MOST_DETAILS, InputError, RulesConflict
 from kerfwise.encoder.facts import compute_facts

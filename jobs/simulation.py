@@ -20,10 +20,17 @@ from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.torch_path import chords, paced
 from kerfwise.models.physics.heat import HeatResult, PartHeat, TimedPath, TorchOn, simulate
-from kerfwise.models.physics.heat.grid import MOST_POINTS, SCRAP, Grid, make_grid
 from kerfwise.models.physics.heat.physical import point_steps
 from kerfwise.models.physics.heat.simulate import MOST_S, expect_short
-from kerfwise.models.physics.heat.timed_path import in_order, torch_on, without_tabs
+from kerfwise.models.physics.heat.timed_path import (
+    MOST_POINTS,
+    SCRAP,
+    Grid,
+    in_order,
+    make_grid,
+    torch_on,
+    without_tabs,
+)
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import expect_plan_of, read_plan
 from kerfwise.postproc.check.jets import jet_of

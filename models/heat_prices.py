@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
-from kerfwise.models.physics.heat.grid import hot_contours
+from kerfwise.models.physics.heat.timed_path import hot_contours
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.profile.plant_sections import Heat
 from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Precede

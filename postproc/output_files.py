@@ -20,9 +20,9 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import is_file, is_folder, is_there
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers.json_nest import dxf_in_mm
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.encoder.scrap import remnant_of
-from kerfwise.encoder.write_nest import dxf_in_mm
 from kerfwise.rules.profile.values import ProfileValues
 
 # Output files appear whole, all of them or none: written beside their places, which they then take one by one.

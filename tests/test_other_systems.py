@@ -73,7 +73,7 @@ ALLOWED = {
     ("encoder/files.py", "os.path"): "answers for every name, where paths raise",
     ("postproc/output_files.py", "os.path"): "samefile",
     ("commands/crash_report.py", "os.path"): "isfile and expanduser answer for every name, where paths raise",
-    ("apps/authoring/new_profile.py", "os.path"): "relpath: paths go up only from Python 3.12 on",
+    ("apps/authoring/profile_check.py", "os.path"): "relpath: paths go up only from Python 3.12 on",
     ("apps/edit/edits.py", "os.path"): "relpath: paths go up only from Python 3.12 on",
     ("apps/nesting/nest_list.py", "os.path"): "relpath: paths go up only from Python 3.12 on",
     ("rules/profile/linked_files.py", "os.path"): "paths keep `..`, and raise for links in a circle",

@@ -155,7 +155,7 @@ def new(name: str, like: str | None, output: str | None, trust: bool) -> None:
     """
     from kerfwise.postproc.output_files import expect_outputs, write_files
 
-    from .new_profile import expect_usable, new_profile_text
+    from .profile_check import expect_usable, new_profile_text
 
     bare = name if Path(name).suffix in _YAML else f"{name}.yaml"
     if output is None:  # a file may be named, too
@@ -183,7 +183,7 @@ def _asked(trust: bool) -> tuple[str, Mapping[tuple[str, str], str]]:
     """The profile to begin from, and the answers that differ from what it says."""
     from kerfwise.rules.profile.load import shipped_profiles
 
-    from .new_profile import questions
+    from .profile_check import questions
 
     for name in shipped_profiles():
         loaded = load_profile(name)

@@ -21,10 +21,9 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.rules.profile.plant_sections import Heat, Material
 
-from .elasticity import Elasticity, bodies, shape_weights
+from .elasticity import Band, Elasticity, bodies, metal_of, shape_weights, yielded
 from .mesh import Mesh, Samples, make_mesh, sample_path
 from .warmth import Warmth, points_of
-from .yielding import Band, metal_of, yielded
 
 MOST_TIES = 60
 """A batch is divided where more ties open in it: each takes two right-hand sides, a factor as much as some fifty."""

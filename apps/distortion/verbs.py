@@ -22,7 +22,7 @@ from kerfwise.commands.shared_options import (
 )
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.escape import escape_text
-from kerfwise.encoder.write_nest import nest_json
+from kerfwise.encoder.readers.json_nest import nest_json
 
 if TYPE_CHECKING:
     from .compensation import Kind

@@ -11,9 +11,8 @@ from scipy.sparse import coo_matrix, csr_matrix, diags
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.physics.heat import TimedPath
-from kerfwise.models.physics.heat.grid import NO_PART, Grid
 from kerfwise.models.physics.heat.physical import LONGEST_STEP_S, SheetSimulation
-from kerfwise.models.physics.heat.timed_path import events_of
+from kerfwise.models.physics.heat.timed_path import NO_PART, Grid, events_of
 from kerfwise.rules.profile.plant_sections import Heat
 
 from .mesh import CORNERS, Mesh

@@ -28,11 +28,11 @@ from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet, as_scrap
+from kerfwise.encoder.readers.json_nest import nest_json
 from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.encoder.validate import scrap_problems
-from kerfwise.encoder.write_nest import nest_json
 from kerfwise.jobs.inputs import Inputs, Tell, damaged, is_plan_file, silent
 from kerfwise.jobs.nest_job.request import last_plan
 from kerfwise.models.plan.plan import Plan

@@ -21,13 +21,21 @@ from kerfwise.apps.nesting.find_nests import (
     spacing_of,
     spacing_warning,
 )
-from kerfwise.apps.nesting.nest_list import GroupRequest, ListRequest, nest_groups, plant_of_sheet, request_list
+from kerfwise.apps.nesting.nest_list import (
+    Done,
+    GroupRequest,
+    ListRequest,
+    Nests,
+    nest_groups,
+    nests_of_job,
+    plant_of_sheet,
+    request_list,
+)
 from kerfwise.apps.nesting.placement.demand import Demand
 from kerfwise.apps.nesting.placement.layout import Layout
 from kerfwise.apps.nesting.placement.rounds import Effort
 from kerfwise.apps.nesting.programs import make_programs
 from kerfwise.apps.nesting.request import order_of
-from kerfwise.apps.nesting.result import Done, Nests, nests_of_job
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nearest_name import unknown
 from kerfwise.jobs.inputs import ProfileLike, Tell, plant_of, reading

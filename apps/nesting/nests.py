@@ -15,8 +15,8 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.escape import as_cell, escape_text
 from kerfwise.encoder.files import is_file, is_folder, read_limited
 from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.readers.json_nest import nest_json
 from kerfwise.encoder.scrap import largest_rectangle
-from kerfwise.encoder.write_nest import nest_json
 from kerfwise.postproc.output_files import expect_place, make_folder, write_files
 from kerfwise.postproc.report import draw
 

@@ -70,7 +70,7 @@ def command(
     if output is plans is None:
         stem = Path(options["nest"]).stem
         output, plans = f"{stem}.pareto.png", f"{stem}.pareto"
-    from kerfwise.commands.progress import ProgressLine
+    from kerfwise.commands.terminal import ProgressLine
     from kerfwise.jobs.request import options_for
     from kerfwise.postproc.output_files import expect_folders, expect_place, make_folder, write_files
 
@@ -109,9 +109,9 @@ def command(
 
 def _straightness(inputs: Inputs, prices: tuple[float, ...]) -> Straightness:
     """The axis of mm: errors of the parts of a plan, and plans at these prices on them."""
+    from kerfwise.apps.distortion.elasticity import metal_of
     from kerfwise.apps.distortion.predict import distort_made
     from kerfwise.apps.distortion.straighter import StraighterOrders
-    from kerfwise.apps.distortion.yielding import metal_of
 
     from .pareto import Straightness
 

@@ -22,7 +22,7 @@ from kerfwise.encoder.nest import Note, Sheet
 from kerfwise.encoder.progress_notice import amount
 from kerfwise.encoder.questions import Asking, Choice, Question
 
-from .clipping import Clips, seen_through, texts_seen
+from .clipping import Clips, filled_area, filled_outlines, seen_through, texts_seen, unseen_rings
 from .drawing import (
     FAREST_MM,
     FOREIGN_ERRORS,
@@ -33,13 +33,12 @@ from .drawing import (
     brought_near,
     checked_curve,
 )
-from .fill_rule import filled_area, filled_outlines, unseen_rings
 from .fit_arcs import FLATTEN_MM, fit_arcs
 from .layers import counted
 from .options import ReadOptions
-from .svg_page import page_of
 from .svg_text import TEXT, TROUBLE
 from .svg_validate import validate_svg
+from .svg_viewports import page_of
 from .svg_visible import CLIP, FILLED, MASK, SHAPE, Seen, hidden_told
 
 NUMBERED = re.compile(

@@ -22,9 +22,9 @@ from kerfwise.rules.options.kind import AnswerPairs, Number, OptionKind, Text, U
 from kerfwise.rules.options.option import option, options_of
 from kerfwise.rules.options.quantities import OrWord, PointOrOff, PointXY
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty, items, with_value
-from kerfwise.rules.profile.key_places import where_it_belongs
 from kerfwise.rules.profile.load import read_fields, read_locks, shipped_profiles
 from kerfwise.rules.profile.overrides import Setting, read_lock, read_settings
+from kerfwise.rules.profile.profile_yaml import where_it_belongs
 from kerfwise.rules.registry import RULES
 
 _WRITTEN = r"\d{4}-\d{2}-\d{2}"

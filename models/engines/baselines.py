@@ -14,9 +14,8 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.tuning import ATTEMPTS, WARM_SHARE
-from kerfwise.models.physics.heat.grid import Grid, make_grid
 from kerfwise.models.physics.heat.physical import SheetSimulation
-from kerfwise.models.physics.heat.timed_path import TimedPath, TorchOn, events_of
+from kerfwise.models.physics.heat.timed_path import Grid, TimedPath, TorchOn, events_of, make_grid
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem

@@ -105,7 +105,7 @@ VARIABLES_LOOKS = 1000  # Pairs of contours from one question whether to go on t
 
 EARLY_LONG = 12  # Contours that a hard sum is about, at the least: what shorter ones ask the search finds by itself.
 
-# ideals/backward.py
+# ideals/stretches/priced_stretches.py
 
 BACKWARD_FIRST, BACKWARD_WIDER, SPREAD = 0.002, 2, 0.006
 """Shares of what a known plan costs: how much more than the least a way in may cost that is settled first, how many

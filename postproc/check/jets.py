@@ -1,19 +1,21 @@
-"""Tilted burns for the check: what a jet burns at each depth, and the ways that the slopes of a bevel want of it."""
+"""Tilted burns for the check: what a jet burns at each depth, the ways that slopes want, and blocks of torches."""
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import shapely
 
 from kerfwise.arrays import Floats, Ints
+from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Segment
 from kerfwise.encoder.nest import Contour
-from kerfwise.postproc.check.reader.program import Burn
+from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.profile.values import ProfileValues
 
 from .bevel_faces import Slope, half_width_mm, sides_of, slopes_of
@@ -138,3 +140,52 @@ def root_ring(contour: Contour, slope: Slope, profile: ProfileValues) -> shapely
     area = shapely.buffer(shapely.make_valid(contour.curve.polygon(0.002)), out, quad_segs=32)
     pieces = [one for one in shapely.get_parts(area) if one.area > 0]
     return max(pieces, key=shapely.area).exterior if pieces else None
+
+
+_NUMBER = r"-?\d+(?:\.\d+)?"
+_SET = re.compile(rf"BLOCK TORCH (\d) [A-Z ]*?TILT ({_NUMBER}) LEFT ({_NUMBER}) OUT ({_NUMBER})")
+Setting = tuple[float, float, float]
+"""How a torch leans, how far it stands on the left of the upright one as one looks along C, and how far out."""
+Found = tuple[tuple[str, ...], str]
+
+
+def settings_of(program: NcProgram, found: list[Found]) -> dict[int, Setting]:
+    """How each torch of the block is set by what the program says; two settings of one torch are told."""
+    settings: dict[int, Setting] = {}
+    for match in filter(None, map(_SET.fullmatch, program.comments)):
+        torch, told = int(match[1]), (float(match[2]), float(match[3]), float(match[4]))
+        if settings.setdefault(torch, told) != told:
+            found.append(((), f"torch {torch} of the block is set by hand, and the program wants it in two ways"))
+    return settings
+
+
+def torch_burns(program: NcProgram, profile: ProfileValues, found: list[Found]) -> Iterator[tuple[Burn, Burn | None]]:
+    """What each torch burns, as a burn of its own that leans; with that of the block where it burns with others.
+
+    A burn of the upright torch alone, that does not turn, is a plain burn.
+    """
+    settings = settings_of(program, found)
+    for burn in program.burns:
+        if burn.tool != 0:
+            yield burn, None
+            continue
+        plain = replace(burn, torches=(), axes=())
+        if len({turn for _, turn in burn.axes}) < 2 and burn.torches == (2,):
+            yield plain, None
+            continue
+        if not burn.torches:
+            found.append(((), f"line {burn.line}: no torch of the block is selected"))
+        jet = jet_of(burn, profile)
+        turn = np.unwrap(np.radians(jet.turns_deg))
+        out, left = np.column_stack([np.cos(turn), np.sin(turn)]), np.column_stack([-np.sin(turn), np.cos(turn)])
+        for torch in burn.torches:
+            if torch not in settings:
+                found.append(((), f"line {burn.line}: nobody says how torch {torch} of the block is set"))
+                continue
+            tilt, left_mm, out_mm = settings[torch]
+            at = jet.at + left_mm * left + out_mm * out
+            keep = np.append(True, np.hypot(*np.diff(at, axis=0).T) > 1e-9)
+            path = Curve(np.column_stack([at[keep], np.zeros(int(keep.sum()))]), closed=False)
+            axes = tuple((tilt, math.degrees(angle)) for angle in turn[keep].tolist())
+            feeds = (max(burn.feeds_mm_s),) * len(path.segments)
+            yield replace(plain, path=path, axes=axes, step_feeds_mm_s=feeds, torch=torch), burn

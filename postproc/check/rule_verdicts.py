@@ -16,9 +16,8 @@ from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.active_rules import ActiveRules
 from kerfwise.rules.rule import Rule
 
-from .hard_orders import Forcing, HardOrders, ModelOfOrders, applies_to, torch_of_each
+from .hard_orders import Forcing, HardOrders, ModelOfOrders, applies_to, beside_sums, torch_of_each
 from .result import Excused, Judgement, RelaxedStatement, excuse_relaxed
-from .room_for_sums import beside_sums
 
 if TYPE_CHECKING:
     from ortools.sat.python.cp_model import CpModel

@@ -26,8 +26,8 @@ from kerfwise.rules.options.yaml_positions import (
     with_value,
     wrong_at,
 )
-from kerfwise.rules.profile.key_places import where_said
 from kerfwise.rules.profile.plant_sections import MACHINE_WAITS, PierceDwell
+from kerfwise.rules.profile.profile_yaml import where_said
 from kerfwise.rules.profile.technique import Technique
 
 from .blocks import POWERS, Powers

@@ -20,8 +20,8 @@ from kerfwise.encoder.files import read_limited
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest
+from kerfwise.encoder.readers.json_nest import dxf_in_mm
 from kerfwise.encoder.readers.options import ReadOptions
-from kerfwise.encoder.write_nest import dxf_in_mm
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.profile.technique import Technique
 
@@ -286,7 +286,7 @@ def _from_drawing(plan: Plan, nest: Nest, file: Path, options: ReadOptions) -> R
 
     from kerfwise.encoder.readers.read import unpacked
     from kerfwise.encoder.readers.svg import curves, parsed_svg, shown_elements
-    from kerfwise.encoder.readers.svg_page import page_of
+    from kerfwise.encoder.readers.svg_viewports import page_of
 
     svg = parsed_svg(unpacked(read_limited(file), file))
     page, order = page_of(svg, options), DrawnOrder(plan, nest, options)

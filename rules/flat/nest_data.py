@@ -26,8 +26,10 @@ from kerfwise.encoder.minizinc_data import (
 from kerfwise.encoder.nest import KINDS, Nest
 from kerfwise.rules.judging.facing import Faced, faced_all_round, faced_by_cuts
 from kerfwise.rules.own.criteria import none_has
-from kerfwise.rules.own.known_nest import SIDES, MeasuredNest, attributes
-from kerfwise.rules.own.measures import (
+from kerfwise.rules.own.known_nest import (
+    SIDES,
+    MeasuredNest,
+    attributes,
     edge_gaps_mm,
 )
 from kerfwise.rules.registry import RULES

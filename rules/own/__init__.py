@@ -1,7 +1,20 @@
 """Own rules: what a plant adds to the catalogue in its profile, in YAML."""
 
-from .own_rule import PREFIX, Own, OwnFile, OwnRule, PlantRule, Thresholds, as_rule, own_pairs
-from .read import is_own, own_rules_definitions, own_rules_schema, read_own_rules, with_own_values
+from .own_rule import (
+    PREFIX,
+    Own,
+    OwnFile,
+    OwnRule,
+    PlantRule,
+    Thresholds,
+    as_rule,
+    is_own,
+    own_pairs,
+    own_rules_definitions,
+    own_rules_schema,
+    read_own_rules,
+    with_own_values,
+)
 
 __all__ = [
     "PREFIX",

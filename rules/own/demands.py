@@ -25,8 +25,7 @@ from kerfwise.rules.options.quantities import DURATION, LENGTH
 from kerfwise.rules.options.yaml_positions import Problems
 from kerfwise.rules.statements import Pick
 
-from .criteria import FREE, LENGTHS, ROUNDING_MM, NumberSpan, number_of
-from .forms import TRUE, Form, Group, Scalar
+from .criteria import FREE, LENGTHS, ROUNDING_MM, TRUE, Form, Group, NumberSpan, Scalar, number_of
 from .known_nest import ATTRIBUTE, NAMED_FACTS, KnownNest, named_fact
 from .selector import SELECTOR, Selector
 

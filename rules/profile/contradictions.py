@@ -17,8 +17,8 @@ from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Plant, Rule
 
 from .active_rules import resolve_defaults
-from .key_places import where_said
 from .plant_sections import MACHINE_WAITS, Heat, Machine, Material, Prices
+from .profile_yaml import where_said
 from .sections import Common, LeadsSection, RuleSetting, SmallHoles
 from .technique import Technique
 from .time_section import Time

@@ -32,10 +32,10 @@ from kerfwise.rules.rule import Rule
 
 from .active_rules import own_model_rule
 from .contradictions import check_together
-from .key_places import where_it_belongs
 from .linked_files import with_chart, with_dialect_beside, with_model_files, with_python_files
 from .plant_sections import is_own_dialect, kept_of_thickness
 from .profile import Profile
+from .profile_yaml import where_it_belongs
 from .sections import SECTIONS, RuleSetting, default_settings, named_in_group
 from .time_section import LawLeft, Time
 

@@ -20,9 +20,9 @@ from kerfwise.rules.own import is_own, with_own_values
 from kerfwise.rules.rule import Rule, RuleSetting, Strength
 
 from .contradictions import rule_option_problems
-from .key_places import where_it_belongs
 from .load import parameters_of, profile_values, read_locks
 from .profile import Profile
+from .profile_yaml import where_it_belongs
 from .sections import SECTIONS
 
 SETTABLE = (*SECTIONS, "rules", "own_rules")

@@ -7,7 +7,7 @@ from typing import cast
 
 from kerfwise.encoder.candidates.candidate import CommonOptions, LeadOptions
 from kerfwise.encoder.candidates.snake import SnakeOptions
-from kerfwise.encoder.candidates.split_rounds import SplitOptions
+from kerfwise.encoder.candidates.stretches import SplitOptions
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.facts.facts import FactOptions
 from kerfwise.encoder.narrow_features import Narrow
@@ -22,7 +22,7 @@ from .technique import Technique
 NARROW_ANSWERS = ("slit", "leave", "refuse")
 SMALL_HOLE_ANSWERS = ("skip", "spot", "cut", "refuse")
 SHARED_EDGE_ANSWERS = ("once", "pierced", "refuse")
-"""What may be answered to the questions of `encoder/candidates/cut_questions.py`."""
+"""What may be answered to the questions of `encoder/candidates/lead_errors.py`."""
 SHORTEST_SHARED_MM = 1.0
 """Edges that parts share are cut once, as answered, where one of them is as long as this."""
 

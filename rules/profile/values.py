@@ -9,8 +9,7 @@ from typing import Any, Self
 
 import shapely
 
-from kerfwise.encoder.bevels.block import Block
-from kerfwise.encoder.bevels.cut_nest import BevelOptions
+from kerfwise.encoder.bevels.cut_nest import BevelOptions, Block
 from kerfwise.encoder.candidates.candidate import CommonOptions
 from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.geometry.tolerances import tolerance_mm

@@ -10,7 +10,7 @@ import pytest
 from kerfwise.rules import catalogue, judging
 from kerfwise.rules.catalogue.no_narrow_strips import strips
 from kerfwise.rules.expression import node, over_cuts
-from kerfwise.rules.own import criteria, demands, forms, known_nest, selector
+from kerfwise.rules.own import criteria, demands, known_nest, selector
 from kerfwise.rules.registry import catalogue_modules
 
 
@@ -26,7 +26,7 @@ def imported(node: ast.AST) -> list[str]:
 
 
 JUDGING = [str(path) for path in sorted(Path(str(judging.__file__)).parent.glob("*.py"))]
-OWN = (criteria, demands, forms, known_nest, selector, node, over_cuts)
+OWN = (criteria, demands, known_nest, selector, node, over_cuts)
 FILES = [*(m.__file__ for m in (*catalogue_modules(), catalogue, strips, *OWN)), *JUDGING]
 
 

@@ -78,7 +78,7 @@ WORDS = {
         "rules/profile/contradictions.py",
         "rules/profile/load.py",
         "rules/profile/schema.py",
-        "rules/profile/key_places.py",
+        "rules/profile/profile_yaml.py",
         "rules/profile/values.py",
     },
     "pierce": {

@@ -395,7 +395,7 @@ def _with_box(text: str, found: Seen, known: Sequence[Curve]) -> str:
 def _page(file: Path, found: Seen, known: Sequence[Curve]) -> tuple[float, float, float]:
     """Left edge and top of the page in mm, and its width."""
     from kerfwise.encoder.readers.svg import parsed_svg
-    from kerfwise.encoder.readers.svg_page import page_of
+    from kerfwise.encoder.readers.svg_viewports import page_of
 
     reading = found.reading
     units = None if reading is None or reading.units_because.startswith("the page's width") else reading.units

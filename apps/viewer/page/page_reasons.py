@@ -15,8 +15,8 @@ from kerfwise.jobs.explainer import Explainer
 from kerfwise.jobs.inputs import Inputs, of_first_torch
 from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat import simulate
-from kerfwise.models.physics.heat.grid import MOST_POINTS, make_grid
 from kerfwise.models.physics.heat.physical import point_steps
+from kerfwise.models.physics.heat.timed_path import MOST_POINTS, make_grid
 from kerfwise.models.plan.explain import Explanation
 from kerfwise.models.plan.explain.alternatives import (
     Entry,

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from kerfwise.apps.authoring.new_profile import expect_usable
+from kerfwise.apps.authoring.profile_check import expect_usable
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_there, read_named

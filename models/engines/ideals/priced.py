@@ -45,9 +45,9 @@ from kerfwise.models.problem.evaluate import route_cost
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import About
 
-from .backward import Settled, settle
 from .lattice import sweeping
 from .stretch import ConditionsByContour, CrossingAlternatives, nothing_over, series
+from .stretches.priced_stretches import Settled, settle
 
 ABOUT = About("network", (), "what a site asks that is split by its conditions")
 

@@ -17,10 +17,9 @@ from kerfwise.encoder.cut import HotSpot
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.plant_sections import Heat
 
-from .grid import Grid, make_grid
 from .physical import SheetSimulation, settling_s, time_step_s
 from .simulate import counted_points, expect_bounded
-from .timed_path import Events, TimedPath, TorchOn, events_of
+from .timed_path import Events, Grid, TimedPath, TorchOn, events_of, make_grid
 
 STEP_S = 0.5
 """Waits are found to so many seconds; they are never too short."""

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from kerfwise.arrays import Bools, Float32s
 from kerfwise.rules.profile.plant_sections import MATERIALS, Heat
 
-from .grid import Grid, HeatRun
-from .timed_path import Events, TimedPath, compiled, entry, events_of
+from .timed_path import Events, Grid, HeatRun, TimedPath, compiled, entry, events_of
 
 Look = Callable[[float, Float32s], None]
 """Called with a time, s, and the temperatures (nx, ny), °C."""

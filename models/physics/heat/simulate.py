@@ -14,9 +14,8 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.plant_sections import MATERIALS, Heat
 
-from .grid import SCRAP, Grid, HeatResult, HeatRun, made_result, make_grid
 from .physical import Look, point_steps, run_physical
-from .timed_path import TimedPath, entry
+from .timed_path import SCRAP, Grid, HeatResult, HeatRun, TimedPath, entry, made_result, make_grid
 
 LEAST_BAND_STEPS = 1.5
 """The torch heats points up to 1.42 grid steps beside its path: so far they say nothing of the metal around."""

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from kerfwise.encoder.errors import InputError
 
 from .controls import COMMENT, row_of
-from .expressions import ExpressionReader
+from .words import ExpressionReader
 
 MOST_ROWS = 400_000
 """Rows of a program once it is unfolded, and steps of its loops, at most."""

@@ -21,8 +21,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Bridge, Nest
 from kerfwise.encoder.readers import ReadOptions
-from kerfwise.encoder.readers.json_nest import read_json
-from kerfwise.encoder.write_nest import nest_json
+from kerfwise.encoder.readers.json_nest import nest_json, read_json
 from kerfwise.tests.commands.run_cli import kerfwise
 
 from .sheets import HEAT, around, part, rectangle, sheet_of

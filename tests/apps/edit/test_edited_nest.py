@@ -14,7 +14,7 @@ from kerfwise.apps.edit.edits import Add, Edit, Keep, Mirror, Move, NestAnew, Ot
 from kerfwise.apps.nesting.placement.demand import PartType, Spacing
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest, Part, Sheet
-from kerfwise.encoder.write_nest import nest_json
+from kerfwise.encoder.readers.json_nest import nest_json
 from kerfwise.rules.case import circle, nest, part, rect
 
 SPACING = Spacing(5.0, 5.0)

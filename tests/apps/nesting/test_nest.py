@@ -17,7 +17,7 @@ from kerfwise.apps.nesting.placement.nofit import Placed
 from kerfwise.apps.nesting.placement.shapes import Key
 from kerfwise.apps.nesting.verbs import NestProgress
 from kerfwise.arrays import Floats
-from kerfwise.encoder.write_nest import nest_json
+from kerfwise.encoder.readers.json_nest import nest_json
 from kerfwise.rule_kit import circle, nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.commands.test_program_head import plate

@@ -15,7 +15,7 @@ from kerfwise.apps.nesting import programs
 from kerfwise.apps.nesting.nests import Nested
 from kerfwise.apps.nesting.placement.layout import nest_dxf
 from kerfwise.encoder.errors import InputError, RulesConflict
-from kerfwise.encoder.write_nest import nest_json
+from kerfwise.encoder.readers.json_nest import nest_json
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
 

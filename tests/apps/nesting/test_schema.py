@@ -19,7 +19,7 @@ from kerfwise.apps.nesting.placement.layout import nest_dxf
 from kerfwise.apps.nesting.placement.nofit import Placed, Pose
 from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.readers import read_nest
-from kerfwise.encoder.write_nest import nest_json
+from kerfwise.encoder.readers.json_nest import nest_json
 from kerfwise.rule_kit import Sheet
 from kerfwise.tests.commands.run_cli import kerfwise as run
 from kerfwise.tests.commands.test_bevels import HEAD, PLANT, write

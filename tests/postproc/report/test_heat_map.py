@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from kerfwise.jobs.simulation import HeatPicture, peak_map
 from kerfwise.models.physics.heat import simulate
-from kerfwise.models.physics.heat.grid import make_grid
-from kerfwise.models.physics.heat.timed_path import in_order, torch_on
+from kerfwise.models.physics.heat.timed_path import in_order, make_grid, torch_on
 from kerfwise.rules.case import circle, nest, part, rect
 from kerfwise.rules.profile.plant_sections import Heat
 

@@ -14,7 +14,7 @@ from kerfwise.encoder.graphs import components, contracted
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.models.plan.conflict import find_conflict, state_relaxed
 from kerfwise.postproc.check import check_program
-from kerfwise.postproc.check.room_for_sums import SumsRoom
+from kerfwise.postproc.check.hard_orders import SumsRoom
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.case import nest, part, rect

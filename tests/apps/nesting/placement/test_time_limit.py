@@ -15,7 +15,7 @@ from kerfwise.apps.nesting.placement.layout import Layout
 from kerfwise.apps.nesting.placement.rounds import Effort, layouts
 from kerfwise.apps.nesting.verbs import NestProgress
 from kerfwise.encoder.nest import Sheet
-from kerfwise.encoder.write_nest import nest_json
+from kerfwise.encoder.readers.json_nest import nest_json
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.commands.run_cli import kerfwise
 

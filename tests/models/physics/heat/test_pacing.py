@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from kerfwise.models.physics.heat import TimedPath
-from kerfwise.models.physics.heat.grid import make_grid
 from kerfwise.models.physics.heat.pacing import Pacing, delay_burn, hot_spots, pace
-from kerfwise.models.physics.heat.timed_path import in_order, torch_on
+from kerfwise.models.physics.heat.timed_path import in_order, make_grid, torch_on
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.plant_sections import Heat
 

@@ -11,10 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kerfwise.models.physics.heat.grid import HeatRun, make_grid
 from kerfwise.models.physics.heat.physical import SheetSimulation, run_physical, time_step_s
 from kerfwise.models.physics.heat.simulate import run_logical
-from kerfwise.models.physics.heat.timed_path import events_of, in_order
+from kerfwise.models.physics.heat.timed_path import HeatRun, events_of, in_order, make_grid
 from kerfwise.rules.case import nest
 from kerfwise.rules.profile.plant_sections import MATERIALS, Heat
 from kerfwise.tests.models.physics.heat.paths import along, beside, circle, rounds

@@ -9,9 +9,16 @@ import pytest
 
 from kerfwise import InputError
 from kerfwise.models.physics.heat import HeatResult, simulate
-from kerfwise.models.physics.heat.grid import SCRAP, Regions, hot_contours, make_grid
 from kerfwise.models.physics.heat.simulate import LogicalSheet, spread
-from kerfwise.models.physics.heat.timed_path import TimedPath, in_order, torch_on
+from kerfwise.models.physics.heat.timed_path import (
+    SCRAP,
+    Regions,
+    TimedPath,
+    hot_contours,
+    in_order,
+    make_grid,
+    torch_on,
+)
 from kerfwise.rule_kit import circle as drawn_circle
 from kerfwise.rule_kit import nest, part, rect
 from kerfwise.rules.profile.plant_sections import Heat
