@@ -52,6 +52,8 @@ EXTERNAL = 4
 """The bit in a block's flags that says that its lines are in another file."""
 ROUND = 1e-6
 """An ellipse whose axes differ by less than this share is a circle."""
+NO_TURN = 1e-9
+"""Angles that differ by less than this, rad, are one: an arc between them is a circle."""
 SCALES = ("xscale", "yscale", "zscale")
 NOTHING = 1e-9
 """A scale under this is 0: of a block of a kilometre it leaves a micrometre."""
@@ -246,7 +248,8 @@ def curve(entity: DXFGraphic, scale: float) -> Curve | None:
     match entity:
         case Arc():
             a0, a1 = math.radians(entity.dxf.start_angle), math.radians(entity.dxf.end_angle)
-            return _arc(entity, a0, (a1 - a0) % math.tau or math.tau, _tilt(entity), scale)
+            sweep = (a1 - a0) % math.tau
+            return _arc(entity, a0, sweep if sweep > NO_TURN else math.tau, _tilt(entity), scale)
         case Circle():
             return _arc(entity, 0.0, math.tau, _tilt(entity), scale)
         case LWPolyline():
@@ -301,7 +304,7 @@ def _bent(rim: Sequence[Vec3], sweep_rad: float, tilt: float, scale: float) -> C
     shares = 1 if sweep_rad <= math.pi else 2
     bulge = math.copysign(math.tan(sweep_rad / (4 * shares)), tilt)
     rows = [(p.x, p.y, bulge) for p in (rim[0], rim[1], rim[2])]
-    closed = sweep_rad >= math.tau - 1e-9
+    closed = sweep_rad >= math.tau - NO_TURN
     return checked_curve(rows[:2] if closed else rows[:: 3 - shares], closed, scale)
 
 
