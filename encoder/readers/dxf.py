@@ -55,7 +55,7 @@ from .dxf_entities import (
 from .dxf_text import DXF_ERRORS, cross, is_written, middle_of_point, name_of, written
 from .fit_arcs import FIT_MM, FLATTEN_MM
 from .layers import counted
-from .options import DXF_UNITS, ReadOptions, are_inches, dxf_units, mm_of
+from .options import DXF_UNITS, GIVEN, ReadOptions, are_inches, contradicted, dxf_units, mm_of
 
 # its remarks on handles and such are nothing that a planner can act on; without a handler they go to the terminal
 logging.getLogger("ezdxf").addHandler(logging.NullHandler())
@@ -78,7 +78,8 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | Non
         _check_blocks(document)
         amount(len(document.modelspace()), "entity", "entities")
         shown = list(entities(document.modelspace(), hidden, unread)) or _on_paper(document, hidden, unread, asking)
-        guess = options.units or DXF_UNITS.get(_header(document, data)[0] or 0, "mm")
+        insunits = _header(document, data)[0] or 0
+        guess = options.units or DXF_UNITS.get(insunits, "mm")
         read = _pieces(shown, mm_of(guess) or 1.0, looks, options.spot_mm)
         units, because = _units(document, data, options, read, guess, asking)
         if units != guess:
@@ -90,6 +91,7 @@ def read_dxf(path: Path, data: bytes, options: ReadOptions, asking: Asking | Non
     pieces, clip_notes = seen_through(read.pieces, asking)
     texts, hidden_notes = texts_seen(read.texts)
     near, texts, far_notes = brought_near(pieces, texts)
+    notes = (*notes, *contradicted(DXF_UNITS.get(insunits), f"$INSUNITS {insunits}", options.units))
     notes = (*notes, *unread.notes(options.layers), *clip_notes, *hidden_notes, *far_notes)
     notes = (*notes, *_doubts(document, shown, mm_of(units) or 1.0))
     if document.modelspace() or not near:
@@ -285,7 +287,7 @@ def _units(
 ) -> tuple[str, str]:
     """The unit of the drawing, and why."""
     if options.units is not None:
-        return options.units, "as given (--units, in Python units=, or drawing.units)"
+        return options.units, GIVEN
     if not read.pieces:
         return guess, "by default"
     lines = np.array([piece.curve.line(1.0) for piece, _ in read.pieces], dtype=object)

@@ -21,7 +21,7 @@ from kerfwise.encoder.nest import Bridge, Contour, Kind, Nest, Note, Part, Sheet
 from kerfwise.encoder.progress_notice import amount
 
 from .drawing import LIMIT_MM, checked_curve
-from .options import ReadOptions, doubts, mm_of
+from .options import GIVEN, ReadOptions, contradicted, doubts, mm_of
 from .reading import reading_of
 from .sheet import overridden, same_size
 
@@ -43,7 +43,7 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     if not document["parts"]:
         [(line, column)] = places(text, [["parts"]])
         raise InputError("the nest has no parts: a sheet alone is there to nest parts on", line=line, column=column)
-    units = options.units or document.get("units", "mm")
+    units, because = _units(document, options)
     scale = mm_of(units) or 1.0
     _check_ids(document["parts"], text)
     parts = tuple(_part(entry, scale) for entry in document["parts"])
@@ -54,16 +54,10 @@ def read_json(data: bytes, options: ReadOptions) -> Nest:
     sheet, why, sheet_notes = _sheet(document["sheet"], scale), "as the file says", list[Note]()
     if options.sheet_size_mm is not None and not same_size(_size(sheet), options.sheet_size_mm):
         sheet, why, sheet_notes = overridden(sheet, options.sheet_size_mm)
-    notes = (*_not_read(document), *sheet_notes, *doubts(sheet, units))
+    other_units = contradicted(document.get("units"), "units", units)
+    notes = (*_not_read(document), *other_units, *sheet_notes, *doubts(sheet, units))
     scrap = (_curve(f"scrap{k}", rows, False, scale) for k, rows in enumerate(document.get("scrap", ()), 1))
     bridges = _bridges(document.get("bridges", ()), text, scale)
-    because = (
-        "as given (--units, in Python units=, or drawing.units)"
-        if options.units
-        else "the file says so"
-        if "units" in document
-        else "by default"
-    )
     reading = reading_of((units, because), sheet, why, (), notes, {})
     return Nest(sheet, parts, notes=notes, scrap=as_scrap(scrap), bridges=bridges, reading=reading)
 
@@ -83,7 +77,14 @@ def sheet_in_json(data: bytes, options: ReadOptions) -> Sheet:
     if document["parts"]:
         count = len(document["parts"])
         raise InputError(f'holds {count} parts: expected a sheet alone, with "parts": []')
-    return _sheet(document["sheet"], mm_of(options.units or document.get("units", "mm")) or 1.0)
+    return _sheet(document["sheet"], mm_of(_units(document, options)[0]) or 1.0)
+
+
+def _units(document: Mapping[str, Any], options: ReadOptions) -> tuple[str, str]:
+    """The unit of a file, and why."""
+    if "units" in document and (options.units is None or options.units_by_profile):
+        return str(document["units"]), "the file says so"
+    return (options.units, GIVEN) if options.units else ("mm", "by default")
 
 
 def _bridges(entries: Sequence[Mapping[str, Any]], text: str, scale: float) -> tuple[Bridge, ...]:

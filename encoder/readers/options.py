@@ -42,6 +42,8 @@ class ReadOptions:
     units
         One of mm, cm, m, in, ft, pt, px, or dots an inch such as 90dpi; overrides what the file says. None: the file's
         own; where it says nothing, that is asked about.
+    units_by_profile
+        The units are those of a plant's drawings: a nest in JSON that names its own keeps them.
     sheet_size_mm
         Width and height of the sheet, in the place of one that the file has.
     layers
@@ -87,6 +89,7 @@ class ReadOptions:
     """
 
     units: str | None = None
+    units_by_profile: bool = False
     sheet_size_mm: tuple[float, float] | None = None
     layers: Layers = DEFAULT
     frame: FrameName | None = None
@@ -267,6 +270,25 @@ def dxf_units(
     return asking.ask(
         units_question(f"{nothing}, {long}: what is it in?", order, longest)
     ), "asked: the file names no unit"
+
+
+GIVEN = "as given (--units, in Python units=, or drawing.units)"
+"""Why a drawing is read in units that it may not name."""
+
+
+def contradicted(said: str | None, by: str, given: str | None) -> list[Note]:
+    """A note where a file is read in other units than it `said`; `by`: where it said so.
+
+    Examples
+    --------
+    >>> contradicted("mm", "$INSUNITS 4", "in")[0].text
+    'the file says mm ($INSUNITS 4), and is read in in, as given (--units, in Python units=, or drawing.units)'
+    >>> contradicted("mm", "$INSUNITS 4", None), contradicted(None, "", "in")
+    ([], [])
+    """
+    if None in (said, given) or mm_of(str(said)) == mm_of(str(given)):
+        return []
+    return [Note("warning", f"the file says {said} ({by}), and is read in {given}, {GIVEN}")]
 
 
 def doubts(sheet: Sheet, units: str) -> list[Note]:

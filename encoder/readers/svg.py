@@ -87,7 +87,7 @@ def read_svg(data: bytes, options: ReadOptions, asking: Asking | None = None) ->
         raise InputError(f"nothing to cut: {next(hidden_told(seen)).removeprefix('left out, as the ')}")
     kept, page_notes = _on_page(kept, page.sheet, asking)
     near, near_texts, far_notes = brought_near(kept, seen_texts)
-    notes += [*page_notes, *fill_notes, *mask_notes, *clip_notes, *far_notes]
+    notes += [*page.notes, *page_notes, *fill_notes, *mask_notes, *clip_notes, *far_notes]
     sheet = None if far_notes else page.sheet
     return Drawing(near, page.units, tuple(notes), sheet, page.because, near_texts)
 

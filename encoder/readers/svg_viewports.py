@@ -11,10 +11,10 @@ from xml.etree.ElementTree import Element
 import svgelements
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.nest import Sheet
+from kerfwise.encoder.nest import Note, Sheet
 from kerfwise.encoder.questions import Asking
 
-from .options import SMALLEST_SHEET_MM, ReadOptions, mm_of, units_question
+from .options import GIVEN, SMALLEST_SHEET_MM, ReadOptions, mm_of, units_question
 from .svg_css import declarations, properties, tag_of, with_style
 
 VIEWPORT = "kerfwise-viewport"
@@ -204,19 +204,22 @@ SVG_UNITS = ("px", "mm", "pt", "in")
 """What a file without units may be in, the likeliest first."""
 
 HEAD_BYTES = 4000
+_SAME_SCALE = 0.01
+"""Sizes of pages are rounded: a scale that they make may be off by this share."""
 
 
 @dataclass(frozen=True, slots=True)
 class Page:
     """How to get from svgelements' pixels (y down) to mm (y up); `sheet` is None where the file gives no size.
 
-    `units` names what the drawing was taken to be in, `because` why.
+    `units` names what the drawing was taken to be in, `because` why; `notes` say where the page contradicts them.
     """
 
     to_mm: Any
     units: str
     sheet: Sheet | None
     because: str = ""
+    notes: tuple[Note, ...] = ()
 
 
 def page_of(svg: Any, options: ReadOptions, data: bytes = b"", asking: Asking | None = None) -> Page:
@@ -235,12 +238,12 @@ def page_of(svg: Any, options: ReadOptions, data: bytes = b"", asking: Asking | 
     scales = [mm / user for (mm, _), user in zip(sides, (width, height), strict=True) if mm and user]
     stretched = len(scales) == 2 and abs(scales[0] - scales[1]) > 1e-6 * scales[0]
     measured = any(unit.lower() not in ("", "px") for _, unit in sides)
+    notes: tuple[Note, ...] = ()
     if options.units is not None:
-        scale, units, because = (
-            mm_of(options.units) or 1.0,
-            options.units,
-            "as given (--units, in Python units=, or drawing.units)",
-        )
+        scale, units, because = mm_of(options.units) or 1.0, options.units, GIVEN
+        if measured and scales and abs(min(scales) - scale) > _SAME_SCALE * scale:
+            text = f"by the size of its page a unit of the file is {min(scales):.4g} mm"
+            notes = (Note("warning", f"{text}, and it is read in {units}, {GIVEN}"),)
     elif measured and scales:
         scale, units, because = min(scales), "mm", "the page's width and height say so"
     else:
@@ -260,7 +263,7 @@ def page_of(svg: Any, options: ReadOptions, data: bytes = b"", asking: Asking | 
     size = (width * scale, height * scale) if box else tuple(mm or 0.0 for mm, _ in sides)
     sheet = Sheet.rectangle(*size) if min(size) > 0 else None
     upright = svgelements.Matrix(scale, 0, 0, -scale, -x0 * scale, y0 * scale + (size[1] if sheet else 0.0))
-    return Page(to_user * upright, units, sheet, because)
+    return Page(to_user * upright, units, sheet, because, notes)
 
 
 def _pixels(data: bytes, extent: float, asking: Asking | None) -> tuple[str, str]:

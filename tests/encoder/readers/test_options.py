@@ -1,7 +1,11 @@
 """Options of reading, and sizes that raise a doubt about the units."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import pytest
 
+from kerfwise import load_profile, read_nest
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Sheet
 from kerfwise.encoder.readers import ReadOptions
@@ -56,3 +60,38 @@ def test_the_units_that_would_fit_are_named(size: tuple[float, float], units: st
     [note] = doubts(Sheet.rectangle(*size), units)
     assert note.severity == "warning"
     assert advice in note.text
+
+
+PAGE = (
+    '<svg xmlns="http://www.w3.org/2000/svg" width="{}" height="{}" viewBox="0 0 400 200">'
+    '<path d="M0 0h100v50h-100z"/></svg>'
+)
+SAID = {
+    "nest.json": '{"format": "kerfwise-nest/1", "units": "mm", "sheet": {"width": 400, "height": 200}, "parts": '
+    '[{"id": "A", "outer": [[10, 10], [110, 10], [110, 60], [10, 60]]}]}',
+    "page.svg": PAGE.format("400mm", "200mm"),
+    "drawing.dxf": "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n"
+    "8\n0\n10\n100\n20\n100\n40\n50\n0\nENDSEC\n0\nEOF\n",
+}
+
+
+@pytest.mark.parametrize("name", SAID)
+def test_units_of_the_profile_against_those_of_the_file(tmp_path: Path, name: str) -> None:
+    """A nest of our own says its units, and keeps them; a drawing is read as the plant says, with a warning."""
+    (tmp_path / name).write_text(SAID[name])
+    plant = load_profile()
+    found = {}
+    for units in (None, "mm", "in"):
+        nest = read_nest(tmp_path / name, replace(plant, drawing=replace(plant.drawing, units=units, frame="part")))
+        found[units] = nest.parts[0].outer.curve.length_mm, [n.text for n in nest.notes if "is read in in" in n.text]
+    assert found[None] == found["mm"]
+    larger, told = found["in"][0] / found["mm"][0], found["in"][1]
+    assert (round(larger, 3), len(told)) == ((1.0, 0) if name == "nest.json" else (25.4, 1))
+    given = read_nest(tmp_path / name, units="in", frame="part")
+    assert given.parts[0].outer.curve.length_mm == pytest.approx(25.4 * found["mm"][0])
+    assert any("is read in in, as given" in note.text for note in given.notes)
+
+
+def test_units_that_a_page_agrees_with_are_not_told(tmp_path: Path) -> None:
+    (tmp_path / "page.svg").write_text(PAGE.format("400in", "200in"))
+    assert all("unit" not in note.text for note in read_nest(tmp_path / "page.svg", units="in").notes)
