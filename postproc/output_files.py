@@ -52,6 +52,8 @@ def expect_outputs(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
     for path in outputs:
         expect_folders([path])
         place = path.resolve()
+        if path.name == "-":
+            raise InputError("cannot write: nothing goes to standard output; give the name of a file", file=path)
         _expect_regular(path)
         if place in read or _same_file(path, read):
             raise InputError("would be written over, and is read from: give the output another name", file=path)

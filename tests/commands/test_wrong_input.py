@@ -114,6 +114,7 @@ def test_an_output_in_the_place_of_another_or_of_what_is_read(tmp_path: Path) ->
     refused(kerfwise("solve", nest, "-o", plan, "--plan", same), "plan.json: two outputs have this name")
     refused(kerfwise("solve", nest, "--lock-from", plan, "--upto", "1", "--plan", plan), "is read from")
     refused(kerfwise("solve", nest, "-o", tmp_path), "this is a folder")
+    refused(kerfwise("solve", nest, "-o", "-"), "nothing goes to standard output")
     drawn = EXAMPLES / "nests" / "marked.svg"
     refused(kerfwise("plot", drawn, "-o", drawn), "marked.svg: would be written over")
     assert nest.read_bytes() == NEST.read_bytes()
