@@ -106,7 +106,7 @@ def reading(
     return replace(
         options,
         units=units or options.units,
-        units_by_profile=units is None,
+        units_by_profile=options.units_by_profile and units is None,
         sheet_size_mm=sheet_mm or options.sheet_size_mm,
         frame=frame or options.frame,
         repair=repair,

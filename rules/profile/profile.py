@@ -169,7 +169,7 @@ class Profile(Technique):
         drawing = self.drawing
         return ReadOptions(
             units=drawing.units,
-            units_by_profile=True,
+            units_by_profile=drawing.units is not None,
             layers=Layers(**{name: getattr(drawing.layers, name) for name in PURPOSES}),
             colours=(*drawing.layers.colour, *((key, "cut") for key, _ in drawing.layers.bevel)),
             linetypes=drawing.layers.linetype,
