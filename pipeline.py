@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
@@ -47,9 +47,10 @@ from kerfwise.postproc.check.stated import with_state
 from kerfwise.postproc.clock import cost_of_plan
 from kerfwise.postproc.dialects import dialect_misfits, expect_words
 from kerfwise.postproc.nc.program import write_program
-from kerfwise.postproc.verdict.check_plan import check_plan, judge, report_of
+from kerfwise.postproc.verdict.check_plan import check_plan, check_written, judge, judged_by_both, report_of
 from kerfwise.postproc.verdict.dialect_read_back import trusted_dialect
 from kerfwise.rules.options.yaml_positions import raise_together
+from kerfwise.rules.plan_state import PlanState
 from kerfwise.rules.profile.contradictions import misfits
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import TemperatureLimit
@@ -59,6 +60,10 @@ from kerfwise.rules.stating.state_rules import Stated
 
 if TYPE_CHECKING:
     from kerfwise.jobs.cooler_orders import SimulatedOrders
+
+
+Promise = Callable[[], CheckResult | None]
+"""The verdict on a plan, by whoever judges it meanwhile; None where that has failed."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -86,13 +91,13 @@ class Watchers(NamedTuple):
         Told each better plan of the portfolio meanwhile, which changes nothing; no plan by other zones, and none that a
         simulation has asked for.
     planned
-        Told the plan before it is judged: nothing but its rules and its cost will change.
+        Told the plan before it is judged: nothing but its rules and its cost will change. It may promise the verdict.
     """
 
     listener: Listener | None = None
     tell: Tell = silent
     found: Found | None = None
-    planned: Callable[[Plan], None] | None = None
+    planned: Callable[[Plan], Promise | None] | None = None
 
 
 NOBODY = Watchers()
@@ -159,9 +164,11 @@ def plan_nest(
             planned = plan_request(
                 request, profile, left, method, progress, watchers.found, simulated=simulated, move_zones=True
             )
-            if watchers.planned is not None:
-                watchers.planned(planned.plan)
-            finished = verified(planned, profile)
+            promise = None if watchers.planned is None else watchers.planned(planned.plan)
+            as_cut = planned.facts.whole_nest
+            if (as_cut.drawn or as_cut) is not (nest.drawn or nest) or profile is not inputs.profile:
+                promise = None  # of another nest, or by another profile, than `inputs` have
+            finished = verified(planned, profile, promise=promise)
     except RulesConflict as error:
         raise _no_plan(
             error, facts, profile, limit, listener, ways_on(limits, method.engine, relax, error.proven)
@@ -418,6 +425,7 @@ def verified(
     write: Write | None = None,
     trusted: Trusted | None = None,
     lawful: CheckResult | None = None,
+    promise: Promise | None = None,
 ) -> VerifiedPlan:
     """A plan with its program, and the verdict on both in it.
 
@@ -429,13 +437,23 @@ def verified(
         Words of the program that are not judged.
     lawful
         The verdict on the plan alone, where it is known.
+    promise
+        Gives that while the program is read back.
     """
     began_s, facts, plan = running_s(), planned.facts, planned.plan
-    nest = facts.whole_nest
+    nest, write, written = facts.whole_nest, write or write_program, None
+    if promise is not None:
+        found = cache(lambda: promise() or check_plan(nest, plan, profile))
+        draft = replace(plan, state=PlanState("broken"))  # who says that is never told to say less
+        text = write(draft, nest, profile)
+        written, lawful = check_written(nest, draft, text, profile, lambda: found().by_rules, trusted), found()
     lawful = check_plan(nest, plan, profile) if lawful is None else lawful
     plan = replace(plan, state=lawful.state)  # the program says it, too
-    program = (write or write_program)(plan, nest, profile)
-    verdict = judge(nest, plan, program, profile, trusted, lawful)
+    program = write(plan, nest, profile)
+    if written is not None and written.state.short() == lawful.state.short():
+        verdict = judged_by_both(lawful, written, program)
+    else:
+        verdict = judge(nest, plan, program, profile, trusted, lawful)
     if verdict.state.short() != lawful.state.short():
         program = with_state(program, verdict.state)
         verdict = judge(nest, plan, program, profile, trusted, lawful)

@@ -39,7 +39,11 @@ PHASES: dict[str, tuple[tuple[str, str], ...]] = {
         ("kerfwise.jobs.completed_plan", "with_times"),
     ),
     "program": (("kerfwise.pipeline", "write_program"),),
-    "check": (("kerfwise.pipeline", "judge"),),
+    "check": (
+        ("kerfwise.pipeline", "check_plan"),
+        ("kerfwise.pipeline", "check_written"),
+        ("kerfwise.pipeline", "judge"),
+    ),
     "picture": (("kerfwise.postproc.report", "draw"),),
 }
 """Phase → the functions it is made by, where they are called from; what is called within one counts there only."""
@@ -143,12 +147,19 @@ def spent(
         told({**seconds, **sums, **by_clock, **most, "ended": ended, "running": running, "missing": missing})
 
     read_s = began_clock_s
-    threading.Thread(target=_end_after, args=(began_s + most_s, tell), daemon=True).start()
     nest = importlib.import_module("kerfwise.encoder.readers.json_nest").read_json(text, ReadOptions())
     read_s, limits = time.perf_counter(), options_for(nest, profile, work=work)
     home = profile.home_on(nest)
-    with _beside(nest, home) as beside:
-        watchers = Watchers(planned=None if beside is None else beside.begin)
+    with _beside(nest, home) as beside, _judged_beside(nest, profile) as judging:
+
+        def planned(plan: Any) -> Any:
+            if beside is not None:
+                beside.begin(plan)
+            return None if judging is None else judging.begin(plan)
+
+        # started here, as processes are forked where there is one thread
+        threading.Thread(target=_end_after, args=(began_s + most_s, tell), daemon=True).start()
+        watchers = Watchers(planned=planned)
         made = plan_nest(Inputs(nest, profile), limits, Method(first=first), watchers).made
         if not made.verdict.ok:
             raise SystemExit("the check refuses the plan")
@@ -164,6 +175,13 @@ def _beside(nest: Any, home: tuple[float, float]) -> Any:
     if importlib.util.find_spec("kerfwise.commands.page_picture") is None:
         return nullcontext()
     return importlib.import_module("kerfwise.commands.page_picture").DrawnBeside(nest, ".svg", home)
+
+
+def _judged_beside(nest: Any, profile: Any) -> Any:
+    """A plan judged beside the writing of its program, likewise."""
+    if importlib.util.find_spec("kerfwise.commands.judged_beside") is None:
+        return nullcontext()
+    return importlib.import_module("kerfwise.commands.judged_beside").JudgedBeside(nest, profile)
 
 
 def _end_after(most_s: float, tell: Callable[[bool], None]) -> None:

@@ -7,22 +7,15 @@ the nest. Whatever goes wrong in it, there is no picture from it, and it is draw
 
 from __future__ import annotations
 
-import contextlib
-import pickle
-import signal
-import threading
+from collections.abc import Iterator
 from dataclasses import replace
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
-from multiprocessing.context import SpawnProcess
-from types import TracebackType
 from typing import Self
 
 from kerfwise.app_modules import app_module
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.process_pool import ENDED_S, end_with_parent, start_quietly
+from kerfwise.jobs.process_beside import Beside, Hear
 from kerfwise.models.jit import machine_cores
 from kerfwise.models.plan.plan import Plan
 from kerfwise.pipeline import VerifiedPlan
@@ -35,25 +28,19 @@ LEAST_CORES = 2
 """With one, two processes take as long as one after the other."""
 
 
-class DrawnBeside:
+class DrawnBeside(Beside):
     """A picture of a plan that is going to be made and judged; its process begins and ends with the context.
 
     Where it does not pay, nothing is drawn beside: see `pays`. `nest`: what is drawn; of what was found out about it
-    nothing is handed on. `suffix`: of the picture: ".svg", ".png" or ".pdf"; of anything else, or None, there is no
-    drawing. `home`: where the torch starts and ends, mm.
+    nothing is handed on to a process that sets out from nothing. `suffix`: of the picture: ".svg", ".png" or ".pdf"; of
+    anything else, or None, there is no drawing. `home`: where the torch starts and ends, mm.
     """
 
     def __init__(self, nest: Nest, suffix: str | None, home: Point) -> None:
-        self._given = _pickled((nest, suffix, home)) if self.pays(nest, suffix) else b""
-        self._process: SpawnProcess | None = None
-        self._way: Connection | None = None
-        self._plan: Plan | None = None
-        self._sent: threading.Thread | None = None
-
-    @property
-    def draws(self) -> bool:
+        super().__init__(_draw, nest, suffix, home)
+        self.draws = self.pays(nest, suffix)
         """Whether a plan that it is told of is drawn beside, as far as is known before there is one."""
-        return bool(self._given)
+        self._plan: Plan | None = None
 
     @staticmethod
     def pays(nest: Nest, suffix: str | None) -> bool:
@@ -63,81 +50,30 @@ class DrawnBeside:
 
     def begin(self, plan: Plan) -> None:
         """Draw a plan whose rules have not been judged yet."""
-        if self._way is None or not (handed_on := _pickled(plan)):
-            return
-        self._plan = plan
-        self._sent = self._send(handed_on)
-
-    def _send(self, data: bytes) -> threading.Thread:
-        """Hand something on as soon as the process takes it, after what was handed on before."""
-
-        def send(way: Connection, before: threading.Thread | None) -> None:
-            if before is not None:
-                before.join()
-            with contextlib.suppress(OSError):
-                way.send_bytes(data)
-
-        sending = threading.Thread(target=send, args=(self._way, self._sent), daemon=True)
-        sending.start()
-        return sending
+        if self.tell(plan):
+            self._plan = plan
 
     def end(self, plan: Plan) -> bytes | None:
         """The content of its file, as soon as it is there; None where there is none: of another plan, say."""
-        if self._plan is None or self._way is None or self._sent is None or plan.cuts is not self._plan.cuts:
+        if self._plan is None or plan.cuts is not self._plan.cuts or not self.tell(plan.rules):
             return None
-        self._sent.join()
-        if not (rules := _pickled(plan.rules)):
-            return None
-        try:
-            self._way.send_bytes(rules)
-            return self._way.recv_bytes()
-        except (EOFError, OSError):
-            return None
+        picture: bytes | None = self.answer()
+        return picture
 
     def __enter__(self) -> Self:
         """Have the process set out; a large nest is measured and planned meanwhile."""
-        if self._given:
-            with contextlib.suppress(OSError):  # no process can be started: it is drawn afterwards
-                way, there = (context := get_context("spawn")).Pipe()
-                self._process = context.Process(target=_draw, args=(there,), daemon=True)
-                start_quietly(self._process)
-                there.close()
-                self._way = way
-                self._sent = self._send(self._given)
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """End the process, whatever it is at."""
-        if self._process is not None and self._process.pid is not None:
-            self._process.terminate()
-            self._process.join(ENDED_S)
-        if self._way is not None:
-            self._way.close()
+        return super().__enter__() if self.draws else self
 
 
-def _pickled(value: object) -> bytes:
-    """What a process is handed on; empty where something in it cannot be."""
-    try:
-        return pickle.dumps(value)
-    except (pickle.PicklingError, AttributeError, TypeError, RecursionError):
-        return b""
+def _draw(hear: Hear, nest: Nest, suffix: str, home: Point) -> Iterator[bytes]:
+    """What the process does."""
+    from kerfwise.postproc.report.picture import prepare, sketch
+    from kerfwise.postproc.report.plot import render_picture
 
-
-def _draw(way: Connection) -> None:
-    """What the process does; where it cannot, it says nothing."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the first one answers
-    threading.Thread(target=end_with_parent, daemon=True).start()
-    with contextlib.suppress(Exception):
-        from kerfwise.postproc.report.picture import prepare, sketch
-        from kerfwise.postproc.report.plot import render_picture
-
-        nest, suffix, home = pickle.loads(way.recv_bytes())
-        prepare(nest, home)
-        plan: Plan = pickle.loads(way.recv_bytes())
-        almost = sketch(nest, plan, home)
-        way.send_bytes(render_picture(almost.scene(replace(plan, rules=pickle.loads(way.recv_bytes()))), suffix))
+    prepare(nest, home)
+    plan: Plan = hear()
+    almost = sketch(nest, plan, home)
+    yield render_picture(almost.scene(replace(plan, rules=hear())), suffix)
 
 
 # The picture of a plan that has just been made: a page with all that is known of it, or a drawing.

@@ -242,6 +242,7 @@ def command(
 ) -> int:
     """Write a checked cutting program of NEST that keeps every hard rule of the profile."""
     began_s = counted_s()
+    from kerfwise.commands.judged_beside import JudgedBeside
     from kerfwise.commands.page_picture import DrawnBeside
     from kerfwise.jobs.request import options_for
     from kerfwise.jobs.time_limits import CommandLimit
@@ -262,7 +263,8 @@ def command(
     already = stopped.already_cut(inputs)
     of_plan = options_for(inputs.nest, inputs.profile, **limits)
     beside = DrawnBeside(inputs.nest, outputs.suffix, inputs.profile.home_on(inputs.nest))
-    beside = click.get_current_context().with_resource(beside)
+    beside = (context := click.get_current_context()).with_resource(beside)
+    judging = context.with_resource(JudgedBeside(inputs.nest, inputs.profile))
     whole = None
     if (time_s := limits["time_s"]) is not None:
         whole = CommandLimit(time_s, began_s, filter(None, [outputs.suffix]), beside=beside.draws)
@@ -275,7 +277,7 @@ def command(
             inputs,
             of_plan,
             Method(limits["engine"], start=start, orders=orders, **method),
-            Watchers(listener, print_note, planned=beside.begin),
+            Watchers(listener, print_note, planned=lambda plan: (beside.begin(plan), judging.begin(plan))[1]),
             already=already,
             relax=relax,
             whole=whole,

@@ -58,6 +58,7 @@ def notice_if_long(doing: str) -> Iterator[None]:
         yield
     finally:
         timer.cancel()
+        timer.join()  # whoever forks this process is to find no second thread
         _now.reset(before)
 
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
+from multiprocessing.process import BaseProcess
 from types import TracebackType
 from typing import Generic, Self, TypeVar
 
@@ -208,7 +209,7 @@ def keep_to(cores: list[int]) -> None:
             os.sched_setaffinity(0, cores)
 
 
-def start_quietly(process: SpawnProcess) -> None:
+def start_quietly(process: BaseProcess) -> None:
     """Start a process that Ctrl-C does not reach: while it sets out it has no other way to leave that to this one.
 
     Windows cannot hold it back; there the process has to leave it alone itself.
@@ -216,9 +217,10 @@ def start_quietly(process: SpawnProcess) -> None:
     if not hasattr(signal, "pthread_sigmask"):
         process.start()
         return
-    from multiprocessing.resource_tracker import ensure_running
+    if isinstance(process, SpawnProcess):
+        from multiprocessing.resource_tracker import ensure_running
 
-    ensure_running()  # it would let signals through again where it is started with the process
+        ensure_running()  # it would let signals through again where it is started with the process
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         process.start()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from kerfwise.encoder.cut import CutSequence, Side
@@ -86,6 +86,10 @@ class _Cut:
     comments: Sequence[str] | None = None
 
 
+Known = Callable[[], JudgedCuts | None]
+"""What the rules have said of cuts, asked for once all else is judged: another process may still be at it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Besides:
     """What a program is judged by besides nest and profile.
@@ -100,7 +104,7 @@ class Besides:
     thermometer: Thermometer | None = None
     tabs: Tabs | None = None
     planned: PlanClaims | None = None
-    known: JudgedCuts | None = None
+    known: Known | None = None
     trusted: Trusted | None = None
     side: Side | None = None
 
@@ -246,7 +250,7 @@ def _judge_program(
     in_kerfs = {(run.where, built.cuts[run.position - 1].torch) for run in built.runs if run.position in begun}
     judged += judge_running(nest, program, profile, built.runs, judged_by.shares, in_kerfs)
     felt = measured(first_cuts(nest, built.cuts), heatings_of_program(burnt), besides.thermometer)
-    known = besides.known if not turned else None
+    known = besides.known() if besides.known is not None and not turned else None
     same = None if known is None else known.known(nest, felt, profile, relaxed)
     rules = tuple(judge(nest, felt, profile, relaxed)) if same is None else same
     warnings += [*relaxed_warnings(relaxed), *about_nothing(nest, felt, profile)]

@@ -12,7 +12,7 @@ from itertools import zip_longest
 import numpy as np
 import shapely
 
-from kerfwise.encoder.cut import HotSpot, Side
+from kerfwise.encoder.cut import CutSequence, HotSpot, Side
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.nest import Nest
@@ -25,15 +25,17 @@ from kerfwise.postproc.check import (
     Claims,
     Heating,
     JudgedCuts,
+    Judgement,
     PlanClaims,
     RelaxedStatement,
     Thermometer,
     check_cuts,
 )
 from kerfwise.postproc.check import check_program as check_nc
-from kerfwise.postproc.check.check import damage
+from kerfwise.postproc.check.check import Known, damage
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.postproc.check.reader.read_program import Trusted
+from kerfwise.postproc.check.small_features import judged_nest
 from kerfwise.postproc.dialects import Dialect, fitting_dialect, load_dialect
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.nc.toolpaths import SHA_DIGITS
@@ -150,7 +152,7 @@ def check_program(
     profile: Technique,
     file: str = "",
     plan: Plan | None = None,
-    known: JudgedCuts | None = None,
+    known: Known | None = None,
     trusted: Trusted | None = None,
     side: Side | None = None,
 ) -> CheckResult:
@@ -219,7 +221,12 @@ def judge(
         the program.
     """
     planned = planned or check_plan(nest, plan, profile)
-    written = _check_written(nest, plan, program, profile, planned.by_rules, trusted)
+    by_rules = planned.by_rules
+    return judged_by_both(planned, check_written(nest, plan, program, profile, lambda: by_rules, trusted), program)
+
+
+def judged_by_both(planned: CheckResult, written: CheckResult, program: str) -> CheckResult:
+    """The verdict on a plan and its program, of those on each."""
     of_program = {judgement.id: judgement for judgement in written.rules}
     rules = []
     for judgement in planned.rules:
@@ -233,14 +240,15 @@ def judge(
     return result if result.ok else _by_block(result, program)
 
 
-def _check_written(
+def check_written(
     nest: Nest,
     plan: Plan,
     program: str,
     profile: Technique,
-    known: JudgedCuts | None,
+    known: Known,
     trusted: Trusted | None = None,
 ) -> CheckResult:
+    """The verdict on a program that was just made of a plan; see `judge`."""
     silent = load_dialect(profile.machine.dialect).comment is None
     try:
         return check_program(nest, program, profile, plan=plan if silent else None, known=known, trusted=trusted)
@@ -251,6 +259,25 @@ def _check_written(
             raise InputError(message, file=nest.file or None) from error
         message = f"the program that dialect {profile.machine.dialect} makes here cannot be read back{block}"
         raise InputError(f"{message}: {error.message}; nothing is written", file=profile.file or None) from error
+
+
+# A verdict that another process finds: what both have of nest and profile does not go from one to the other.
+
+Handed = tuple[CheckResult, CutSequence, tuple[Judgement, ...]]
+
+
+def handed_on(result: CheckResult) -> Handed:
+    """A verdict on a plan without nest and profile."""
+    assert result.by_rules is not None
+    return replace(result, by_rules=None), result.by_rules.cuts, result.by_rules.rules
+
+
+def taken_over(handed: Handed, nest: Nest, plan: Plan, profile: Technique) -> CheckResult:
+    """The verdict that was handed on, of a plan of this nest under this profile."""
+    result, cuts, rules = handed
+    profile = _as_planned(plan, profile)
+    by_rules = JudgedCuts(judged_nest(nest, profile).nest, cuts, profile, result.relaxed, rules)
+    return replace(result, by_rules=by_rules)
 
 
 def _by_block(result: CheckResult, program: str) -> CheckResult:

@@ -6,7 +6,7 @@ import os
 import signal
 from collections.abc import Callable
 from dataclasses import replace
-from multiprocessing.context import SpawnProcess
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import pytest
@@ -40,12 +40,12 @@ def finished(told: Callable[[Plan], None]) -> FinishedPlan:
     return plan_nest(Inputs(nest, profile), options_for(nest, profile, work=0.1), watchers=Watchers(planned=told))
 
 
-def signalled(beside: DrawnBeside, sent: signal.Signals) -> SpawnProcess:
+def signalled(beside: DrawnBeside, sent: signal.Signals) -> BaseProcess:
     """The process, which was sent a signal."""
-    assert beside._process is not None
-    assert beside._process.pid is not None
-    os.kill(beside._process.pid, sent)
-    return beside._process
+    assert beside.process is not None
+    assert beside.process.pid is not None
+    os.kill(beside.process.pid, sent)
+    return beside.process
 
 
 @pytest.fixture(scope="module")
@@ -93,10 +93,10 @@ def test_the_process_sets_out_before_there_is_a_plan_and_ends_where_there_is_non
 ) -> None:
     done, _ = planned
     with DrawnBeside(done.given.nest, ".svg", HOME) as beside:
-        assert beside._process is not None
-        assert beside._process.is_alive()
+        assert beside.process is not None
+        assert beside.process.is_alive()
         assert beside.end(done.made.plan) is None
-    assert not beside._process.is_alive()
+    assert not beside.process.is_alive()
 
 
 def test_what_cannot_be_drawn_is_left_to_this_one_too(planned: tuple[FinishedPlan, Plan]) -> None:
@@ -126,8 +126,8 @@ def test_the_process_ends_with_the_block_whatever_happens(planned: tuple[Finishe
 
     with pytest.raises(KeyboardInterrupt):
         interrupted()
-    assert beside._process is not None
-    assert not beside._process.is_alive()
+    assert beside.process is not None
+    assert not beside.process.is_alive()
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_it_is_not_begun_where_it_does_not_pay(
     monkeypatch.setattr(page_picture, "LEAST_CORES", cores)
     with DrawnBeside(done.given.nest, suffix, HOME) as beside:
         beside.begin(before)
-        assert beside._process is None
+        assert beside.process is None
         assert beside.end(done.made.plan) is None
 
 
