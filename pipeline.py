@@ -151,7 +151,8 @@ def plan_nest(
     limit, listener = whole or JobLimit(), watchers.listener or Listener()
     limit.begin(limits, watchers.tell)
     if facts is None:
-        facts = facts_of(nest, profile, already, limit)
+        zoned = relax or method.looks_at_zones(len(nest.contours), profile)
+        facts = facts_of(nest, profile, already, limit, zoned=zoned)
     try:
         request = make_request(facts, profile, relax, limit.facts_made())
         left = limit.stated()

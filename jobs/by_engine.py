@@ -13,6 +13,7 @@ from kerfwise.models.engines import Engine, Strategy
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import Solution, SolveOptions, Status
 from kerfwise.models.engines.tuning import LARGE_NEST as FEW
+from kerfwise.models.engines.tuning import MOST_CONTOURS
 from kerfwise.models.jit import running_s
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.plan import Plan
@@ -84,6 +85,14 @@ class Method(NamedTuple):
             from kerfwise.rules.minizinc.installation import solver_named
 
             solver_named(self.solver)
+
+    def looks_at_zones(self, contours: int, profile: Profile) -> bool:
+        """Whether anybody looks at zones that geometry draws: a first plan has the whole sheet in one."""
+        simulates = self.orders is not None or profile.objective.heat or profile.temperature_limit() is not None
+        if not self.first or self.start is not None or simulates or contours > MOST_CONTOURS:
+            return True
+        book = profile.rulebook()
+        return not any(book[name].makes_zones and on.weight is None for name, on in profile.settings().items())
 
 
 PORTFOLIO = Method()

@@ -88,13 +88,30 @@ Found = Callable[[Request, Solution], None]
 of it, and no geometry has looked at its whole order: only a check says whether it is lawful."""
 
 
-def _measuring(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, limit: JobLimit | None = None) -> str:
+def _measuring(
+    nest: Nest,
+    profile: Profile,
+    already: AlreadyCut = NOTHING_CUT,
+    limit: JobLimit | None = None,
+    *,
+    zoned: bool = True,
+) -> str:
     return f"measuring {nest.file or 'the nest'}"
 
 
 @long_job(_measuring)
-def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, limit: JobLimit | None = None) -> Facts:
+def facts_of(
+    nest: Nest,
+    profile: Profile,
+    already: AlreadyCut = NOTHING_CUT,
+    limit: JobLimit | None = None,
+    *,
+    zoned: bool = True,
+) -> Facts:
     """All facts of the nest, as the profile has it cut, under the profile's thresholds.
+
+    If they are not to be `zoned`, all is one zone where geometry alone would draw zones, which takes longer than a
+    first plan is worth.
 
     Where some of it is `already` cut they are those of what is left. A `limit` notes how long finding candidates takes;
     the compiling of rules in model files ends within it.
@@ -114,7 +131,7 @@ def facts_of(nest: Nest, profile: Profile, already: AlreadyCut = NOTHING_CUT, li
         for rule in rules:
             rule.expect_small(nest)
     with _compiling(profile, None if limit is None else limit.seconds()):
-        return _measured(nest, profile, already, limit)
+        return _measured(nest, profile, already, limit, zoned)
 
 
 def _compiling(profile: Profile, seconds: float | None) -> AbstractContextManager[None]:
@@ -126,7 +143,7 @@ def _compiling(profile: Profile, seconds: float | None) -> AbstractContextManage
     return compiled_within(seconds)
 
 
-def _measured(nest: Nest, profile: Profile, already: AlreadyCut, limit: JobLimit | None) -> Facts:
+def _measured(nest: Nest, profile: Profile, already: AlreadyCut, limit: JobLimit | None, zoned: bool) -> Facts:
     """See `facts_of`; rules are compiled for as long as they take."""
     amount(len(nest.contours), "contour", "contours")
     nest = profile.as_cut(nest)
@@ -162,7 +179,10 @@ def _measured(nest: Nest, profile: Profile, already: AlreadyCut, limit: JobLimit
     if groups:
         candidates, met, groups = _cut_alike(candidates, met, groups, step)
     heat_kj = contour_heat_kj(nest, candidates, profile)
-    facts = compute_facts(nest, profile.fact_options(nest), candidates, heat_kj, met)
+    options = given = profile.fact_options(nest)
+    if not (zoned or given.zones_decided or nest.scrap or made is not None or profile.machine.torches.several):
+        options = replace(given, zone_contours=max(len(nest.contours), 1))
+    facts = replace(compute_facts(nest, options, candidates, heat_kj, met), options=given)
     if profile.machine.torches.several and nest.contours:
         return facts_of_torches(facts, groups, profile)
     links = None if profile.no_links(nest) else profile.link_options()

@@ -71,6 +71,11 @@ class FactOptions:
     pierce_pass: Literal["zone", "sheet"] | None = None
     columns: tuple[Callable[[Nest, FactOptions], Mapping[str, Column]], ...] = ()
 
+    @property
+    def zones_decided(self) -> bool:
+        """Whether a number, a lock of a zone or a budget of the plant has made the zones, not geometry alone."""
+        return self.zone_contours is not None or self.zone_heat_kj is not None or bool(self.zone_fixed)
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Facing:

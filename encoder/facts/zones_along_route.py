@@ -48,9 +48,7 @@ def movable(facts: Facts) -> bool:
     """Whether geometry alone has made the zones: no number, lock of a zone or budget of the plant has, nothing is cut
     yet, and no lines cut up the skeleton, whose zone is the last. A locked place in the order is kept by the route that
     zones are drawn along."""
-    options = facts.options
-    decided = options.zone_contours is not None or options.zone_heat_kj is not None or options.zone_fixed
-    return not decided and facts.past is None and not facts.nest.scrap and not facts.nest.stretches
+    return not facts.options.zones_decided and facts.past is None and not facts.nest.scrap and not facts.nest.stretches
 
 
 def zones_along(facts: Facts, order: Sequence[int], *, any_shape: bool = False) -> Iterator[Ints]:

@@ -12,6 +12,7 @@ import pytest
 
 import kerfwise
 from kerfwise.encoder.errors import InputError, RulesConflict
+from kerfwise.encoder.facts import zones
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.by_engine import Method, with_less_work
 from kerfwise.jobs.first_plan import first_plan, plan_at_hand
@@ -58,6 +59,21 @@ def test_the_first_plan_is_lawful_and_soon_there() -> None:
     for planned in made.plan.items:  # nobody looks what would be without an order
         unknown = f"what decides where {planned.cut.contour} is cut was not"
         assert any(why.startswith(("kept: ", unknown)) for why in planned.because)
+
+
+def test_a_first_plan_draws_no_zones_and_has_those_that_a_plant_decides(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn, divided = list[int](), zones._divided_within_set_limit
+    monkeypatch.setattr(zones, "_divided_within_set_limit", lambda *given: (drawn.append(1), divided(*given))[1])
+    sheet = row("A", "B", "C", "D")
+    first = kerfwise.solve(sheet, first=True, work=1.0).plan
+    assert (drawn, {planned.cut.zone for planned in first.cuts}) == ([], {1})
+    kerfwise.solve(sheet, work=0.1)
+    assert drawn
+    decided = tmp_path / "decided.yaml"
+    decided.write_text("based_on: plasma-carbon-steel\nrules: {zone-order: {zone_contours: 2}}\n", encoding="utf-8")
+    assert {planned.cut.zone for planned in kerfwise.solve(sheet, decided, first=True).plan.cuts} == {1, 2}
 
 
 def test_an_edit_goes_on_from_the_plan_at_hand_and_costs_no_more() -> None:
