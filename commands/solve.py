@@ -44,8 +44,9 @@ if TYPE_CHECKING:
     from kerfwise.jobs.inputs import Inputs
     from kerfwise.models.engines.solution import Limits
     from kerfwise.models.plan.plan import Plan
-    from kerfwise.pipeline import FinishedPlan, VerifiedPlan
+    from kerfwise.pipeline import FinishedPlan, Promise, VerifiedPlan
 
+    from .judged_beside import JudgedBeside
     from .page_picture import DrawnBeside
 
 
@@ -277,7 +278,7 @@ def command(
             inputs,
             of_plan,
             Method(limits["engine"], start=start, orders=orders, **method),
-            Watchers(listener, print_note, planned=lambda plan: (beside.begin(plan), judging.begin(plan))[1]),
+            Watchers(listener, print_note, planned=partial(_begin_beside, beside, judging)),
             already=already,
             relax=relax,
             whole=whole,
@@ -292,6 +293,12 @@ def command(
     if whole is not None and (over := whole.over()):  # what took how long, where the command took longer than its limit
         print_note(over)
     return code
+
+
+def _begin_beside(drawn: DrawnBeside, judged: JudgedBeside, plan: Plan) -> Promise | None:
+    """Have a plan drawn and judged by other processes."""
+    drawn.begin(plan)
+    return judged.begin(plan)
 
 
 def _finish(

@@ -74,8 +74,9 @@ class Beside:
             warnings.simplefilter("ignore", DeprecationWarning)  # of threads that libraries keep for their own loops
             way, there = context.Pipe()
             given = self._given if forked else None
-            self.process = context.Process(target=_serve, args=(there, self._work, given), daemon=True)  # type: ignore[attr-defined]
-            start_quietly(self.process)
+            process = context.Process(target=_serve, args=(there, self._work, given), daemon=True)  # type: ignore[attr-defined]
+            start_quietly(process)
+            self.process = process
             there.close()
             self._way = way
             if not forked and not self.tell(self._given):

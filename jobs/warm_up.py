@@ -7,9 +7,10 @@ sweeps sets itself.
 
 from __future__ import annotations
 
-import subprocess
 import sys
-from typing import Any, NamedTuple, cast
+import warnings
+from collections.abc import Iterator
+from typing import NamedTuple, cast
 
 from kerfwise.models import jit
 from kerfwise.models.engines import ideals
@@ -25,9 +26,8 @@ from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 
+from .process_beside import Beside, Hear
 from .request import facts_of, make_request
-
-BESIDE = "from kerfwise.jobs.warm_up import compile_search; compile_search()"
 
 
 class Warmed(NamedTuple):
@@ -52,16 +52,17 @@ def warm_up() -> Warmed:
     return Warmed(kernels, jit.compiled_s(), folder)
 
 
-def compile_search() -> None:
+def _compile_search(_: Hear) -> Iterator[None]:
     """What the process beside a first `solve` does: what else its small problem takes is not compiled for it."""
+    warnings.simplefilter("ignore")  # the other one says it
     _search(_problem(FEW, FEW))
+    yield None
 
 
 def search_beside(contours: int) -> None:
     """Have the search compiled by a process beside this one, if it will be needed and is not kept.
 
-    The process outlives this one by some seconds at the most, and says nothing; what it does not do is done here. It
-    imports nothing from the current folder.
+    The process ends with this one, and says nothing; what it does not do is done here.
     """
     if contours < SEARCHED or not sys.executable:
         return
@@ -71,12 +72,8 @@ def search_beside(contours: int) -> None:
     kernel = cast(jit.Kernel, walk)
     if is_kept(kernel.dispatcher):
         return
-    quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-    try:
-        process = subprocess.Popen([sys.executable, "-P", "-c", BESIDE], **quiet)
-    except OSError:  # no second process may be begun here
-        return
-    compiled_beside(kernel.py_func, lambda: process.poll() is None)
+    if (process := Beside(_compile_search).__enter__().process) is not None:
+        compiled_beside(kernel.py_func, process.is_alive)
 
 
 def _problem(columns: int = COLUMNS, rows: int = ROWS) -> Problem:

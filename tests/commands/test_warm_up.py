@@ -6,12 +6,15 @@ import json
 import os
 import subprocess
 import sys
+import threading
+import time
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import pytest
 
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs import warm_up
+from kerfwise.jobs import process_beside, warm_up
 from kerfwise.models import jit, numba_cache
 from kerfwise.models.engines.search.anneal import walk
 
@@ -56,34 +59,46 @@ def test_nothing_is_compiled_after_a_warm_up(tmp_path: Path) -> None:
 def test_the_search_is_compiled_beside_where_it_is_needed(
     contours: int, kept: bool, begun: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    processes: list[list[str]] = []
+    processes: list[object] = []
 
-    class Process:
-        def __init__(self, words: list[str], **quiet: int) -> None:
-            assert set(quiet.values()) == {subprocess.DEVNULL}
-            processes.append(words)
+    def begun_process(process: BaseProcess) -> None:
+        processes.append(process)
 
-        def poll(self) -> int:
-            return 0
-
-    monkeypatch.setattr(warm_up.subprocess, "Popen", Process)
+    monkeypatch.setattr(process_beside, "start_quietly", begun_process)
+    monkeypatch.setattr(BaseProcess, "is_alive", lambda process: False)
     monkeypatch.setattr(numba_cache, "is_kept", lambda _: kept)
     monkeypatch.setattr(numba_cache, "_beside", {})
     warm_up.search_beside(contours)
     assert len(processes) == begun
     assert [runs() for runs in numba_cache._beside.values()] == [False] * begun
     assert isinstance(walk, jit.Kernel)
-    for words in processes:
-        assert words[:3] == [sys.executable, "-P", "-c"]
-        compile(words[3], "beside", "exec")
 
 
 def test_no_second_process_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: object, **__: object) -> None:
         raise OSError("no processes here")
 
-    monkeypatch.setattr(warm_up.subprocess, "Popen", refused)
+    monkeypatch.setattr(process_beside, "start_quietly", refused)
     monkeypatch.setattr(numba_cache, "is_kept", lambda _: False)
     monkeypatch.setattr(numba_cache, "_beside", {})
     warm_up.search_beside(500)
     assert not numba_cache._beside
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere nothing is forked")
+def test_the_process_beside_compiles_with_what_this_one_has_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It stands for the search here, which takes seconds."""
+    told = tmp_path / "told"
+    monkeypatch.setattr(threading, "active_count", lambda: 1)
+    monkeypatch.setattr(warm_up, "_problem", lambda *size: size)
+    monkeypatch.setattr(warm_up, "_search", lambda size: told.write_text(str(size), encoding="utf-8"))
+    monkeypatch.setattr(numba_cache, "is_kept", lambda _: False)
+    monkeypatch.setattr(numba_cache, "_beside", {})
+    warm_up.search_beside(100)
+    (runs,) = numba_cache._beside.values()
+    until = time.monotonic() + 20
+    while runs() and time.monotonic() < until:
+        time.sleep(0.01)
+    assert told.read_text(encoding="utf-8") == str((warm_up.FEW, warm_up.FEW))
