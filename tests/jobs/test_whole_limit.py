@@ -160,9 +160,9 @@ def asked(monkeypatch: pytest.MonkeyPatch, clock: Wound) -> list[Any]:
     seen: list[Any] = []
     facts_of, ask = pipeline.facts_of, pipeline.make_request
 
-    def facts(nest: Any, profile: Any, already: Any, limit: CommandLimit) -> Any:
+    def facts(nest: Any, profile: Any, already: Any, limit: CommandLimit, *, zoned: bool) -> Any:
         clock.now_s += 4.0
-        made = facts_of(nest, profile, already, limit)
+        made = facts_of(nest, profile, already, limit, zoned=zoned)
         limit.candidates_s = 1.0
         return made
 
