@@ -251,7 +251,7 @@ def command(
     from kerfwise.pipeline import plan_nest
     from kerfwise.postproc.output_files import remnant_names
 
-    from .terminal import ProgressLine
+    from .progress import ProgressLine
 
     lock_from = stopped.lock_from
     outputs = outputs.checked(Path(options["nest"]), lock_from, start_path)

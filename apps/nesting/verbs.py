@@ -137,7 +137,7 @@ def read_list_request(
 
 def looked_for(request: ListRequest) -> list[tuple[GroupRequest, NestingResult]]:
     """The nests: progress on a terminal, Ctrl-C that keeps the best so far, or says that nothing was laid."""
-    from kerfwise.commands.terminal import ProgressLine
+    from kerfwise.commands.progress import ProgressLine
 
     from .find_nests import NOTHING_LAID
     from .nest_list import nest_groups
@@ -252,7 +252,7 @@ def _new_list(output: str | None) -> int:
 @LANGUAGE
 def make_command(dxf: bool, work: float, relax: bool, picture: str, papers: bool, language: str, **options: Any) -> int:
     """Lay PARTS on sheets, and write a checked program, plan and pictures for every sheet."""
-    from kerfwise.commands.terminal import ProgressLine
+    from kerfwise.commands.progress import ProgressLine
 
     from .nest_list import plant_of_sheet, write_list
     from .programs import labels_of, make_programs, work_sheets_of

@@ -70,7 +70,7 @@ def command(
     if output is plans is None:
         stem = Path(options["nest"]).stem
         output, plans = f"{stem}.pareto.png", f"{stem}.pareto"
-    from kerfwise.commands.terminal import ProgressLine
+    from kerfwise.commands.progress import ProgressLine
     from kerfwise.jobs.request import options_for
     from kerfwise.postproc.output_files import expect_folders, expect_place, make_folder, write_files
 

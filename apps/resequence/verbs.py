@@ -54,7 +54,7 @@ def command(
     **given: Any,
 ) -> int:
     """Re-order the burns of an old program, or plan its contours anew; or of all programs in a folder."""
-    from kerfwise.commands.terminal import ProgressLine
+    from kerfwise.commands.progress import ProgressLine
     from kerfwise.jobs.inputs import plant_of
 
     from .resequence import resequence

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import kerfwise as package
-from kerfwise.commands.terminal import ProgressLine
+from kerfwise.commands.progress import ProgressLine
 from kerfwise.tests.commands.run_cli import kerfwise
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "plate40.json"

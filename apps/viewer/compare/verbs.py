@@ -150,7 +150,7 @@ def _given_twice(profiles: Sequence[str | None], options: dict[str, Any]) -> tup
 
 def _compared(requests: Sequence[SideAsked], heat: bool) -> Comparison | None:
     """Both sides; None where one has no plan, which is said."""
-    from kerfwise.commands.terminal import ProgressLine
+    from kerfwise.commands.progress import ProgressLine
     from kerfwise.jobs.request import NoPlan
 
     from . import compare, side_of
