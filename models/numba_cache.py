@@ -32,7 +32,7 @@ from .kernel_compiler import KernelCompiler, PartCompiler
 
 
 def _without_blas() -> None:
-    """Have numba load without scipy, which takes as long as numba itself: it looks for its products of matrices.
+    """Have numba load what compiling takes, but not scipy, where it looks for products of matrices: that takes as long.
 
     No kernel here has such; one of somebody else finds them when it is compiled.
     """
@@ -47,7 +47,6 @@ def _without_blas() -> None:
     arraymath._HAVE_BLAS = True
 
 
-_without_blas()
 _caching, _serialize, _numba = cast(Any, caching), cast(Any, serialize), cast(Any, extending)
 _told: set[str] = set()
 _made: list[Any] = []
@@ -96,16 +95,16 @@ def _take(kernel: type) -> None:
 def _cache_of(function: Any) -> Any:
     try:
         kept = Kept(function)
-        if not only_ours(kept._cache_path):
-            _tell(
-                f"kernels kept in {kept._cache_path} are not run, for others may write there; NUMBA_CACHE_DIR names a "
-                "place of your own"
-            )
-            return _caching.NullCache()
-        return kept
+        if only_ours(kept._cache_path):
+            return kept
+        _tell(
+            f"kernels kept in {kept._cache_path} are not run, for others may write there; NUMBA_CACHE_DIR names a "
+            "place of your own"
+        )
     except (OSError, RuntimeError):  # numba found no place
         _tell("compiled kernels cannot be kept here and are compiled anew each time; NUMBA_CACHE_DIR names a place")
-        return _caching.NullCache()
+    _without_blas()
+    return _caching.NullCache()
 
 
 def _tell(text: str) -> None:
@@ -240,10 +239,12 @@ class Kept(_NumbasOwn):  # type: ignore[misc]
             while found is None and self._is_made_beside():
                 time.sleep(LOOK_S)
                 found = self._load_overload(sig, target_context)
-            return found
+            if found is not None:
+                return found
         except Exception:  # whatever numba and LLVM say of it, it can be compiled
             _tell("kept kernels cannot be read, and are compiled anew")
-            return None
+        _without_blas()
+        return None
 
     def _is_made_beside(self) -> bool:
         """Whether another process may yet keep what is looked for; one last look is due when that has ended."""

@@ -376,14 +376,15 @@ def test_a_small_nest_is_planned_without_a_kernel_that_is_compiled(given: tuple[
     assert run.stdout.splitlines()[-1] == "[]"
 
 
-def test_kernels_load_without_scipy() -> None:
+def test_kernels_compile_without_scipy_and_load_with_still_less() -> None:
     """That takes as long as numba itself; products of matrices still find it, where somebody else compiles such."""
     script = (
-        "import sys, kerfwise.models.numba_cache\nfrom numba.np import arraymath\n"
-        "print('scipy.linalg' in sys.modules, arraymath._HAVE_BLAS)"
+        "import sys, kerfwise.models.numba_cache\nprint('numba.np.arraymath' in sys.modules)\n"
+        "from kerfwise.models.jit import jit\nprint(jit()(lambda x: x + 1)(1))\n"
+        "from numba.np import arraymath\nprint('scipy.linalg' in sys.modules, arraymath._HAVE_BLAS)"
     )
     run = subprocess.run([sys.executable, "-c", script], capture_output=True, encoding="utf-8", check=True)
-    assert run.stdout.split() == ["False", "True"]
+    assert run.stdout.split() == ["False", "2", "False", "True"]
 
 
 def test_what_only_kernels_call_has_machine_code_in_those_alone(monkeypatch: pytest.MonkeyPatch) -> None:
