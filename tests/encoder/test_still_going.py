@@ -40,6 +40,9 @@ def told(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]:
         def cancel(self) -> None:
             self.function()
 
+        def join(self, timeout: float | None = None) -> None:
+            pass
+
     monkeypatch.setattr(progress_notice.threading, "Timer", AtOnce)
     with warnings.catch_warnings():
         warnings.simplefilter("always", Advice)
