@@ -7,6 +7,7 @@ import json
 import re
 import sys
 from collections.abc import Iterator, Mapping
+from functools import cache, lru_cache
 from importlib import resources
 
 import yaml
@@ -45,6 +46,7 @@ def pierce_dwell_of(profile: Technique, dialect: Dialect | None = None) -> Pierc
     return profile.machine.pierce_dwell or (dialect or load_dialect(profile.machine.dialect)).pierce_dwell
 
 
+@cache
 def dialect_names() -> tuple[str, ...]:
     """The dialects that come with kerfwise.
 
@@ -89,8 +91,12 @@ def load_dialect(name: str) -> Dialect:
     return parse_dialect(text, name if name.endswith((".yaml", ".yml")) else f"{name}.yaml")
 
 
+@lru_cache(maxsize=64)
 def parse_dialect(text: str, file: str) -> Dialect:
-    """Read a dialect from YAML text; `file` is the name for messages (see `load_dialect`)."""
+    """Read a dialect from YAML text; `file` is the name for messages (see `load_dialect`).
+
+    A planning asks for its dialect some twenty times: what has been read is kept by its text.
+    """
     root = compose(text, file)
     if not isinstance(root, yaml.MappingNode):
         raise InputError("not a dialect: expected keys such as torch_on and line", file=file)

@@ -15,6 +15,7 @@ import kerfwise as package
 from kerfwise import load_profile, read_nest
 from kerfwise.tests.checked import checked
 from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.tools.amount import full
 from kerfwise.tests.tools.canon import run
 
 ROOT = Path(package.__file__).resolve().parent
@@ -79,11 +80,11 @@ def test_linuxcnc_runs_the_program_as_the_reader_does(solved: Path) -> None:
     ("pattern", "instead", "says"),
     [
         (r"A45", "A40", "Flange.outer: no pass that leans by 45 degrees"),
-        (r"A45", "A-45", "it burns into Flange"),
+        full(r"A45", "A-45", "it burns into Flange"),
         (r"F848.528", "F1200", "it cuts at 1200 mm/min, at its lean that should be 849"),
-        (r"A45 C\S+", lambda m: m[0].replace("A45", "A0"), "no pass that leans by 45"),
+        full(r"A45 C\S+", lambda m: m[0].replace("A45", "A0"), "no pass that leans by 45"),
         (r"(A45[^(]*?)(G4 P)1.2", r"\g<1>\g<2>0.2", "the torch stands for 0.2 s before it moves, expected 1.2 s"),
-        (r"C(\d+)(?=\nN\d+ G1)", lambda m: f"C{int(m[1]) + 30}", ""),
+        full(r"C(\d+)(?=\nN\d+ G1)", lambda m: f"C{int(m[1]) + 30}", ""),
         (r"(?s)\(CUT \d+ Ring.outer ZONE 1 CW PASS 1.*?M5\n", "", "Ring.outer: no pass that leans by -30 degrees"),
     ],
 )
@@ -181,8 +182,8 @@ def test_linuxcnc_tilts_the_torch_between_two_edges(edged: tuple[str, str, str, 
     ("pattern", "instead", "says"),
     [
         (r" A-20", " A-14", "P.outer: no pass that leans by -20 degrees"),
-        (r" A-1\d\S*", "", ""),
-        (r"(?s)\(CUT 1 P.outer ZONE 1 C?CW PASS 1.*?M5\n", "", "P.outer: no pass that leans by 30 degrees"),
+        full(r" A-1\d\S*", "", ""),
+        full(r"(?s)\(CUT 1 P.outer ZONE 1 C?CW PASS 1.*?M5\n", "", "P.outer: no pass that leans by 30 degrees"),
         (r"F2165.064", "F2500", "it cuts at 2500 mm/min, at its lean that should be 2165"),
     ],
 )

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.tools.amount import full
 
 pytestmark = pytest.mark.minizinc
 
@@ -90,12 +91,12 @@ def test_what_can_hold_in_no_order_is_relaxed(text: str, tmp_path: Path) -> None
     ("condition", "relaxed"),
     [
         ("before(i, j) | i, j in CONTOUR where contour_area[i] >= contour_area[j]", "A.outer; A.outer and B.outer"),
-        ("directly_before(i, i) | i in CONTOUR where kind[i] = OUTER", "A.outer; B.outer"),
+        full("directly_before(i, i) | i in CONTOUR where kind[i] = OUTER", "A.outer; B.outer"),
         ("position[i] <= 1 | i in CONTOUR where attribute_order[i] = 17", ""),
-        ("position[i] > n_contours | i in CONTOUR where attribute_lot[i] = 2", "B.outer; E.outer"),
+        full("position[i] > n_contours | i in CONTOUR where attribute_lot[i] = 2", "B.outer; E.outer"),
         ("cuts_between(i, j) >= 9 | i in CONTOUR, j in CONTOUR where i < j", "A.outer and B.outer"),
         ("position[1] div 0 <= 3", "1 relaxed (never: the sheet)"),
-        ("sum(c in CANDIDATE where cand_y[c] < 0)(bool2int(picked(c))) >= 2", "1 relaxed (never: the sheet)"),
+        full("sum(c in CANDIDATE where cand_y[c] < 0)(bool2int(picked(c))) >= 2", "1 relaxed (never: the sheet)"),
         ("sum(c in CANDIDATE where cand_y[c] > 0)(bool2int(picked(c))) <= 2", "1 relaxed (never: "),
     ],
 )
@@ -208,8 +209,8 @@ array[int] of var bool: most17_holds =
     ("name", "text", "rules", "further"),
     [
         ("early17", EARLY, "  early17: {share: 40}\n", []),
-        ("early17", EARLY, "  early17: {share: 60}\n", ["--relax"]),
-        ("most17", BEFORE, "", []),
+        full("early17", EARLY, "  early17: {share: 60}\n", ["--relax"]),
+        full("most17", BEFORE, "", []),
         ("most17", BEFORE, "", ["--relax"]),
     ],
 )

@@ -17,6 +17,7 @@ import kerfwise as package
 from kerfwise.cli import main
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.commands.test_boundary import PLAIN
+from kerfwise.tests.tools.amount import rows
 
 EXAMPLES = Path(package.__file__).parent / "examples" / "nests"
 SOLVE = ("solve", "plain.json", "--work", "0.1")
@@ -52,8 +53,13 @@ def code_with(out: io.StringIO, err: io.StringIO, *argv: str) -> int:
     return end.value.code
 
 
-@pytest.mark.parametrize("error", [BrokenPipeError(errno.EPIPE, "Broken pipe"), OSError(errno.ENOSPC, "No space left")])
-@pytest.mark.parametrize("moment", range(12))
+GONE, FULL = BrokenPipeError(errno.EPIPE, "Broken pipe"), OSError(errno.ENOSPC, "No space left")
+MOMENTS = [(0, GONE), (3, FULL), (4, FULL), (1, FULL), (5, GONE), (9, GONE)]
+"""Those that always run: before anything is printed, the last that is told and the first that is not, and between."""
+LATER = [(moment, error) for moment in range(12) for error in (GONE, FULL) if (moment, error) not in MOMENTS]
+
+
+@pytest.mark.parametrize(("moment", "error"), rows([*MOMENTS, *LATER], len(MOMENTS)))
 def test_what_is_printed_decides_nothing(moment: int, error: OSError, tmp_path: Path) -> None:
     err = io.StringIO()
     assert code_with(Fails(moment, error), err, *SOLVE) == 0

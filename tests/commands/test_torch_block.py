@@ -14,6 +14,7 @@ from kerfwise import load_profile, read_nest
 from kerfwise.tests.checked import checked
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.metal.layers import simulate_layers
+from kerfwise.tests.tools.amount import full
 from kerfwise.tests.tools.canon import run
 
 PLANT = """based_on: plasma-carbon-steel
@@ -106,7 +107,7 @@ def test_eia_selects_the_stations_of_a_block(tmp_path: Path) -> None:
     [
         (r"OUT (-?)(\d)", r"OUT \g<1>1\2", "", True),
         (r"TILT 30", "TILT 36", "P.outer: no pass that leans by 30 degrees", True),
-        (r"M64 P2", "M65 P2", "P.outer: no pass that leans by 30 degrees", True),
+        full(r"M64 P2", "M65 P2", "P.outer: no pass that leans by 30 degrees", True),
         (r"\(BLOCK TORCH 4.*\n", "", "nobody says how torch 4 of the block is set", False),
         (r"(\(BLOCK TORCH 3.*\n)", r"\1(BLOCK TORCH 3 OPEN TO THE TOP TILT 30 LEFT 45 OUT 0)\n", "in two ways", False),
         (r" C(-?\d+)(?=\nN\d+ M64)", lambda m: f" C{int(m[1]) + 20}", "", True),

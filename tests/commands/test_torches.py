@@ -15,6 +15,7 @@ from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import by_kind, simulate
 from kerfwise.tests.tools import canon
+from kerfwise.tests.tools.amount import full
 
 STEP = 150
 
@@ -255,9 +256,9 @@ def test_torches_are_not_selected_while_one_burns(tmp_path: Path) -> None:
     ("key", "value", "says"),
     [
         ("torch", 3, "is made by torch 3, the profile has 2 torches"),
-        ("together", "B.outer", "does not follow B.outer, with which it is made"),
+        full("together", "B.outer", "does not follow B.outer, with which it is made"),
         ("together", "nobody", "which torch 1 does not cut"),
-        ("start_s", 0.0, "has other times than A.outer"),
+        full("start_s", 0.0, "has other times than A.outer"),
         ("pierce", [20.0, 140.0], "is not the cut of A.outer shifted by (0, 150)"),
     ],
 )

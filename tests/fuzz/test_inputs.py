@@ -36,7 +36,7 @@ CASES = {
     "python": 60,
     "job": 150,
 }
-"""Of the other kinds a hundred: together half a minute. A fifth of each without `--all`."""
+"""Of the other kinds a hundred: together half a minute. A tenth of each without `--all`."""
 PLAIN = Case("nest", {"nest.json": seeds.nest_bytes()}, ("facts", "nest.json"), ("nest.json",))
 
 

@@ -17,6 +17,7 @@ from kerfwise.jobs.resume import lock_broken_cut_first, stopped_plan
 from kerfwise.pipeline import plan_of, solve_and_verify
 from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.tests.commands.run_cli import kerfwise
+from kerfwise.tests.tools.amount import few
 
 NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
 CASES = Path(__file__).parent.parent / "metal" / "cases"
@@ -61,11 +62,12 @@ def expect_first_and_in_turn(contours: Sequence[str], zones: Sequence[int], old:
     assert zones == sorted(zones), upto
 
 
-def test_every_stop_of_a_plan_that_had_other_zones(tmp_path: Path) -> None:
-    """It was made without any: no stop is in step with zones of four contours."""
+@pytest.mark.parametrize("step", few([4, 1]))
+def test_every_stop_of_a_plan_that_had_other_zones(tmp_path: Path, step: int) -> None:
+    """It was made without any: no stop is in step with zones of four contours. Every fourth; each one with `--all`."""
     nest = read_nest(NEST)
     old, plant = planned(nest, profile(tmp_path, "off"), 0.3), profile(tmp_path, "{zone_contours: 4}")
-    for upto in range(1, len(old.cuts) + 1):
+    for upto in range(1, len(old.cuts) + 1, step):
         expect_redone(nest, old, plant, upto)
 
 

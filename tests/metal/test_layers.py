@@ -33,7 +33,7 @@ def planned(seed: int, kind: str = "whole") -> tuple[Nest, Profile, str] | None:
 
 
 @pytest.mark.parametrize(
-    ("seed", "kind"), [(FEW[0], "whole"), full(FEW[1], "whole"), (SINGLE, "edges"), (TWO, "block")]
+    ("seed", "kind"), [(FEW[0], "whole"), full(FEW[1], "whole"), (SINGLE, "edges"), full(TWO, "block")]
 )
 def test_programs_of_made_nests_burn_no_part_and_leave_no_face(seed: int, kind: str) -> None:
     made = planned(seed, kind)

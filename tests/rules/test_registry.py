@@ -65,6 +65,7 @@ OTHER_HALF = "/model_data.py"
 """Of a rule: what its text in MiniZinc reads. It may know its own rule and no other."""
 CATALOGUE = re.compile(r"(^|\.)rules\.catalogue(\.|$)|^catalogue(\.|$)")
 PLAIN = {name for name in RULES if "-" not in name}
+QUOTED = re.compile(rf"[\"']({'|'.join(PLAIN)})[\"']")
 """Ids that are words besides: `locks` is a key of profiles, `pierce` a place in plans, facts and pictures."""
 IDS = re.compile(rf"(?<![\w-])({'|'.join(sorted(set(RULES) - PLAIN))})(?![\w-])|(?<=rules\.)({'|'.join(PLAIN)})\b")
 ALLOWED = {
@@ -104,6 +105,8 @@ def files() -> list[str]:
 
 def named(text: str, file: str = "") -> Iterator[str]:
     """Imports of the catalogue and rule ids in code, with their lines; docstrings may speak of rules."""
+    if not ("catalogue" in text or IDS.search(text) or QUOTED.search(text)):
+        return  # most files: nothing is there to be told apart
     tree = ast.parse(text)
     spoken = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     own = _own_rule(file)

@@ -15,9 +15,9 @@ from hypothesis import settings
 from hypothesis.database import DirectoryBasedExampleDatabase
 
 ROOT = Path(__file__).parents[2]
-SHARE = 5
+SHARE = 10
 """One example of this many is drawn by default."""
-FEWEST = 4
+FEWEST = 3
 
 
 def register_profiles(everything: bool) -> None:
@@ -32,13 +32,13 @@ def register_profiles(everything: bool) -> None:
 
 
 def share_of(count: int) -> int:
-    """`count` with `--all`, and a fifth of it otherwise."""
+    """`count` with `--all`, and a tenth of it otherwise."""
     share = settings.get_profile("all").max_examples // settings().max_examples
     return max(count // share, min(count, FEWEST))
 
 
 def examples(count: int, **more: Any) -> settings:
-    """Settings of a property that draws `count` examples with `--all`, and a fifth of them otherwise."""
+    """Settings of a property that draws `count` examples with `--all`, and a tenth of them otherwise."""
     return settings(max_examples=share_of(count), **more)
 
 

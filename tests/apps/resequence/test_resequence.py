@@ -32,6 +32,7 @@ from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.postproc.dialects.reading import with_dialect
 from kerfwise.tests.postproc.old.programs import READ, line, square
 from kerfwise.tests.tools import canon
+from kerfwise.tests.tools.amount import few
 
 PLAIN = load_profile()
 
@@ -122,7 +123,7 @@ def test_contours_planned_afresh_have_about_the_travel_of_the_proven_plan(tmp_pa
     assert made.after.idle_mm == pytest.approx(idle_mm, rel=0.03)
 
 
-@pytest.mark.parametrize("name", READ)
+@pytest.mark.parametrize("name", few(READ, 9))
 def test_no_program_gets_longer(name: str, tmp_path: Path) -> None:
     made = again(READ[name], tmp_path, request=ProgramRequest(feed_mm_min=2500), without_rules=True)
     assert made.after.idle_mm <= made.before.idle_mm or "longer since the old order breaks" in made.ends

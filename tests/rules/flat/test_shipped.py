@@ -54,7 +54,7 @@ def test_the_same_statements(rule: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rule", few(FLAT, 6))
+@pytest.mark.parametrize("rule", few(FLAT, 3))
 def test_the_same_statements_under_other_options(rule: str) -> None:
     for seed in SEEDS:
         _, profile = asked(seed)

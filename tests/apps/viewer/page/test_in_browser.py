@@ -10,7 +10,7 @@ import pytest
 
 from kerfwise.tests.apps.viewer.page.conftest import Open
 from kerfwise.tests.apps.viewer.page.seen import Seen
-from kerfwise.tests.tools.amount import few
+from kerfwise.tests.tools.amount import few, rows
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
@@ -53,7 +53,7 @@ def test_wheel_drag_and_click(look: Open, name: str, wide: int) -> None:
     assert seen.camera()[0] <= scale
 
 
-@WIDTHS
+@MOUSE_FIRST
 def test_a_click_says_why(look: Open, wide: int) -> None:
     seen = look("16", wide)
     seen.page.mouse.click(*seen.entry(OUTER))
@@ -243,7 +243,7 @@ def test_two_plans_under_one_cursor(look: Open, wide: int) -> None:
     assert "differ" in seen.page.locator("#compared-said").inner_text()
 
 
-@pytest.mark.parametrize(("name", "pages"), [("16", 1), ("115", 3)])
+@pytest.mark.parametrize(("name", "pages"), rows([("115", 3), ("16", 1)]))
 def test_printed_it_is_a_work_sheet(look: Open, name: str, pages: int) -> None:
     seen = look(name, 1400, "dark")
     paper = pypdfium2.PdfDocument(io.BytesIO(seen.page.pdf(prefer_css_page_size=True)))
@@ -254,7 +254,7 @@ def test_printed_it_is_a_work_sheet(look: Open, name: str, pages: int) -> None:
     assert seen.page.locator("#paper *").count() == 0
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", few(["dark", "light"]))
 def test_it_fits_a_phone_in_both_looks(look: Open, scheme: str) -> None:
     seen = look("16", 390, scheme)
     assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390

@@ -95,7 +95,7 @@ def test_a_drop_into_a_plan_that_another_tab_has_replaced_locks_nothing(look: Lo
     assert (at.plans, planned.state()["locked"]) == (2, ["B.outer first"])
 
 
-@WIDTHS
+@TOUCH_FIRST
 def test_a_part_is_dragged_onto_another_on_the_drawing(look: Look, planned: Tab, wide: int) -> None:
     at = look(planned, wide)
     before = at.ask("[app.stages[0].camera.x, app.stages[0].camera.y]")
@@ -168,7 +168,7 @@ def tabbed(opened: Open, served: Served, tmp_path: Path) -> Tab:
     return tab
 
 
-@WIDTHS
+@MOUSE_FIRST
 def test_a_tab_is_drawn(look: Look, tabbed: Tab, tmp_path: Path, wide: int) -> None:
     tab = tabbed
     at = look(tab, wide)
