@@ -23,7 +23,7 @@ from typing import Any, cast
 import numba
 import numpy as np
 from numba import extending
-from numba.core import caching, serialize, types
+from numba.core import caching, runtime, serialize, types
 
 from kerfwise.encoder.errors import Advice
 from kerfwise.encoder.files import DamagedFile, only_ours, read_sealed, write_sealed
@@ -48,6 +48,7 @@ def _without_blas() -> None:
 
 
 _caching, _serialize, _numba = cast(Any, caching), cast(Any, serialize), cast(Any, extending)
+_runtime = cast(Any, runtime)
 _told: set[str] = set()
 _made: list[Any] = []
 """What Python calls, of this process."""
@@ -232,9 +233,11 @@ class Kept(_NumbasOwn):  # type: ignore[misc]
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The kernel kept for a signature, or None.
 
-        Numba's own would first make ready what compiling takes, which is 60 modules and four fifths of the time.
+        Numba's own would first make ready what compiling takes, which is 60 modules and four fifths of the time. Arrays
+        that kernels make and pass on are counted by numba's runtime: without it they crash.
         """
         try:
+            _runtime.rtsys.initialize(target_context)
             found = self._load_overload(sig, target_context)
             while found is None and self._is_made_beside():
                 time.sleep(LOOK_S)

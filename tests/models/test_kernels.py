@@ -376,6 +376,25 @@ def test_a_small_nest_is_planned_without_a_kernel_that_is_compiled(given: tuple[
     assert run.stdout.splitlines()[-1] == "[]"
 
 
+@pytest.mark.slow
+def test_a_kept_kernel_that_makes_arrays_runs_where_nothing_is_compiled(folder: Path) -> None:
+    """Their memory is counted by numba's runtime: it is there, though a process has loaded all its kernels."""
+    script = (
+        "import numpy as np; from kerfwise.models.physics.heat.timed_path import _fill as kernel\n"
+        "xy, at_s = np.array([[1.0, 1.0], [5.0, 1.0], [5.0, 4.0]]), np.array([0.0, 1.0, 2.0])\n"
+        "dose, point = np.zeros((99, 2)), np.full((99, 2), -1)\n"
+        "print(kernel(xy, at_s, 10, 10, dose, point, np.zeros(99), np.zeros((99, 2), dtype=np.int64)))\n"
+        "print(sum(kernel.dispatcher._cache_hits.values()))"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder)}
+    first, second = (
+        subprocess.run([sys.executable, "-c", script], capture_output=True, encoding="utf-8", env=environment)
+        for _ in range(2)
+    )
+    assert (first.returncode, second.returncode) == (0, 0)
+    assert (first.stdout.split()[:-1], second.stdout.split()[-1]) == (second.stdout.split()[:-1], "1")
+
+
 def test_kernels_compile_without_scipy_and_load_with_still_less() -> None:
     """That takes as long as numba itself; products of matrices still find it, where somebody else compiles such."""
     script = (
