@@ -165,6 +165,7 @@ file.addEventListener("change", () => { if (file.files?.[0]) void take(file.file
 let waits = 0;
 filter.addEventListener("input", () => {
   clearTimeout(waits);
+  byId("more").querySelector("button")?.toggleAttribute("disabled", true); // it goes on with the list of before
   waits = setTimeout(() => void look(), FILTER_MS);
 });
 byId("sort").addEventListener("change", () => void look());
