@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from unicodedata import category
 
@@ -51,6 +52,22 @@ def escape_text(text: str) -> str:
 def escape_lines(text: str) -> str:
     """The same for text of several lines, which may hold tabs: both stay."""
     return "\n".join("\t".join(escape_text(cell) for cell in line.split("\t")) for line in text.split("\n"))
+
+
+def json_lines(data: object) -> str:
+    """JSON to be read by people, too: letters of all languages stay, what would be obeyed is written as its number.
+
+    Examples
+    --------
+    >>> print(json_lines({"part": "Tr\u00e4ger\u200b"}), end="")
+    {
+     "part": "Träger\\u200b"
+    }
+    """
+    text = json.dumps(data, indent=1, ensure_ascii=False)
+    if not text.isascii():
+        text = "".join(json.dumps(c)[1:-1] if c != "\n" and category(c) in OBEYED else c for c in text)
+    return text + "\n"
 
 
 def _numbered(character: str) -> str:

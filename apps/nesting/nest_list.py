@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.escape import escape_text
+from kerfwise.encoder.escape import escape_text, json_lines
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.questions import Answers
 from kerfwise.jobs.display import Picture
@@ -236,7 +236,7 @@ def write_list(
         ]
         data = {"format": FORMAT, "seed": seed, "groups": folders, "parts": parts, "left_out": left_out}
         remove_earlier(out, written_before(out), {TABLE}, folders)
-        write_files({out / TABLE: json.dumps(data, indent=1, ensure_ascii=False) + "\n"})
+        write_files({out / TABLE: json_lines(data)})
         written.append(out / TABLE)
     return written
 

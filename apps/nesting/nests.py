@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.escape import as_cell, escape_text
+from kerfwise.encoder.escape import as_cell, escape_text, json_lines
 from kerfwise.encoder.files import is_file, is_folder, read_limited
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.json_nest import nest_json
@@ -155,7 +155,7 @@ def as_json(nested: Nested, **about: Any) -> str:
         "sheets": [asdict(row) for row in sheet_uses(nested)],
         "parts": [asdict(row) for row in part_uses(nested)],
     }
-    return json.dumps(data, indent=1, ensure_ascii=False) + "\n"
+    return json_lines(data)
 
 
 def as_csv(nested: Nested) -> str:

@@ -286,7 +286,8 @@ def _slips(document: object) -> Iterator[tuple[list[str | int], str]]:
                 yield [*path, key], f"{number} given, expected a number"
 
 
-def _meant(key: str, known: Sequence[str]) -> str | None:
+@cache  # a large nest has the same keys thousands of times
+def _meant(key: str, known: tuple[str, ...]) -> str | None:
     """The key that a word is most likely misspelt for.
 
     Examples

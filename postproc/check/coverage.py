@@ -80,13 +80,14 @@ def _done(kind: str) -> str:
 def first_cuts(nest: Nest, cuts: CutSequence) -> CutSequence:
     """The cuts that rules can judge: those of the nest's contours, each the first time it is cut."""
     kept: dict[str, Cut] = {}
-    count = 0
-    for k, cut in enumerate(cuts, 1):
+    places = [1]  # of each cut, and of what comes after the last, among those that are kept
+    for cut in cuts:
         if cut.contour in nest.index:
             kept.setdefault(cut.contour, cut)
-        if k == cuts.made:
-            count = len(kept)
-    return replace(cuts, cuts=tuple(kept.values()), made=count)
+        places.append(len(kept) + 1)
+    begun = tuple((places[k - 1], cut) for k, cut in cuts.begun)
+    pierces = tuple(replace(hole, before=places[hole.before - 1]) for hole in cuts.pierces)
+    return replace(cuts, cuts=tuple(kept.values()), made=places[cuts.made] - 1, begun=begun, pierces=pierces)
 
 
 # What burns make of rings that no burn covers alone: stretches left open, burnt again, and tabs that are not there.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from collections.abc import Callable
 from random import Random
 from typing import Any
@@ -201,6 +202,9 @@ sheets:
   - {size: 400x300, stock: 2, price: 7}
 """
 CSV_LIST = b"file,quantity,material,thickness,rotation,order\na.json,3,S235,6,90,4711\nb.json,2,S235,6,free,4712\n"
+LISTS = {"list.yaml": LIST, "list.csv": CSV_LIST}
+_FOUR_DIGITS = re.compile(rb"(?<!\d)\d{4,6}(?!\d)")
+"""Quantities that are lawful, and take longer than a case may."""
 LIST_WORDS = tuple(
     b"parts part file quantity stock size price mirror rotations rotation priority order sheets remnant 0x0 1e9x1 400 "
     b"-1 0 1 1000000000 a.json nowhere.json . * free none any true {} [] nan".split()
@@ -237,7 +241,7 @@ def part_list(rnd: Random) -> Case:
         for name, w in (("A", 80), ("B", 45))
     }
     name = rnd.choice(("list.yaml", "list.yaml", "list.csv"))
-    files[name] = damaged(LIST if name == "list.yaml" else CSV_LIST, rnd, LIST_WORDS)
+    files[name] = _FOUR_DIGITS.sub(lambda found: found[0][:3], damaged(LISTS[name], rnd, LIST_WORDS))
     sheet = () if name == "list.yaml" else ("--sheet", "400x300")
     words = rnd.choice(
         (
