@@ -16,9 +16,9 @@ VERBS = {
     "resequence": ("resequence.verbs", "Put old programs into a better order, or plan them afresh."),
     "serve": ("viewer.serve.verbs", "Show a nest in the browser: ask why, move, plan again, save."),
     "sheet": ("work_sheets.verbs", "Print a plan as a work sheet for the operator (PDF)."),
-    "profile": ("authoring.profile_verb", "Check a profile, or show it with every default filled in."),
-    "dialects": ("authoring.dialects_verb", "List the languages of controls, or begin one of a plant's own."),
-    "rules": ("authoring.rules_verb", "List the rules, print one rule's page, begin a new one, run the cases."),
+    "profile": ("authoring.verbs", "Check a profile, or show it with every default filled in."),
+    "dialects": ("authoring.verbs", "List the languages of controls, or begin one of a plant's own."),
+    "rules": ("authoring.verbs", "List the rules, print one rule's page, begin a new one, run the cases."),
     "bench": ("bench.verbs", "Measure engines on nests and on the field's routing instances."),
 }
 """Verb → the module that has its command, and what it does in a line."""

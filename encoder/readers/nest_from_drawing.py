@@ -23,14 +23,13 @@ from kerfwise.encoder.validate import coincident
 from .by_layer import ByLayer, answered_as_cut, by_layer, nothing_to_cut, sheet_by_name
 from .closing import gap_notes, overrun_notes
 from .drawing import Drawing, DrawnCurve, OpenLines
-from .duplicate_lines import drawn_once, holes_drawn_once, thin_parts, thin_question
+from .duplicate_lines import drawn_once, holes_drawn_once, thin_parts, thin_question, with_notches, without_overlaps
 from .join import Joined, join
 from .json_nest import PART_KEYS
 from .layers import counted, setting
 from .lettering import engraved, with_marks
 from .open_lines import OpenLineDecision, decide_open_lines, ends, open_end_problems
 from .options import REPAIR_FACTOR, ReadOptions, doubts
-from .overlapping import with_notches, without_overlaps
 from .reading import reading_of
 from .sheet import choose_sheet, frame_note, frame_of_drawing, surrounding, use_of_frame
 

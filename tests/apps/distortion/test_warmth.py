@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from kerfwise.apps.distortion.cutting import Warmth
 from kerfwise.apps.distortion.elasticity import yielded
 from kerfwise.apps.distortion.mesh import make_mesh
-from kerfwise.apps.distortion.warmth import Warmth
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
 from kerfwise.rules.profile.plant_sections import MATERIALS
 

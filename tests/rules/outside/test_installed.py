@@ -25,7 +25,7 @@ KEPT_TESTS = (
     "tests/rules/test_cases.py",
     "tests/test_drawn_options.py",
     "tests/models/engines/test_minizinc_model.py",
-    "tests/apps/authoring/test_rules_verb.py",
+    "tests/apps/authoring/test_verbs.py",
 )
 """Tests over all rules there are, and of what is made from them."""
 BETWEEN = "\n=== the next command ===\n"

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from kerfwise.apps.authoring.rules_verb import command
+from kerfwise.apps.authoring.verbs import rules_command as command
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules import run_cases as runner
 from kerfwise.rules.pages import new_rule, rule_page
