@@ -19,7 +19,6 @@ from kerfwise.rules.profile.technique import Technique
 
 from .bevels import judge_bevels
 from .coverage import (
-    Tabs,
     burnt_rings,
     burnt_tabs,
     burnt_twice,
@@ -94,15 +93,13 @@ Known = Callable[[], JudgedCuts | None]
 class Besides:
     """What a program is judged by besides nest and profile.
 
-    Without a thermometer no temperature is judged. `tabs` are stretches of contours, by contour id, that are to stay
-    uncut. What a plan says is `planned`: the program has to follow that, cut by cut, and names, zones and excuses that
-    it does not tell are the plan's. Where the cuts that it makes are those that rules are `known` to have judged, the
-    rules do not judge them once more. What is `trusted` is taken as it stands: nobody judges what a material on the
-    machine has. `side` is the start side where the program states none.
+    Without a thermometer no temperature is judged. What a plan says is `planned`: the program has to follow that, cut
+    by cut, and names, zones and excuses that it does not tell are the plan's. Where the cuts that it makes are those
+    that rules are `known` to have judged, the rules do not judge them once more. What is `trusted` is taken as it
+    stands: nobody judges what a material on the machine has. `side` is the start side where the program states none.
     """
 
     thermometer: Thermometer | None = None
-    tabs: Tabs | None = None
     planned: PlanClaims | None = None
     known: Known | None = None
     trusted: Trusted | None = None
@@ -119,26 +116,24 @@ def check_cuts(
     claims: Claims | None = None,
     relaxed: Sequence[RelaxedStatement] = (),
     thermometer: Thermometer | None = None,
-    tabs: Tabs | None = None,
 ) -> CheckResult:
     """Judge a plan's cuts, and what the plan says of them, where that is given.
 
     The torch's paths are made anew from the nest, the kerf and the leads. `relaxed` are the statements that the plan
-    says are relaxed. Without a thermometer no temperature is judged. `tabs` are stretches of contours, by contour id,
-    that are to stay uncut.
+    says are relaxed. Without a thermometer no temperature is judged.
     """
     judged_by = judged_nest(nest, profile)
     nest, slots = with_passes(judged_by.nest, passes_of_cuts(cuts), profile)
     judged_by = replace(judged_by, nest=nest)
     runs, faults = runs_from_cuts(nest, cuts, profile.material.kerf_mm)
-    judged, warnings = _judge_paths(judged_by, _Cut(slots, cuts, runs, faults), profile, relaxed, tabs)
+    judged, warnings = _judge_paths(judged_by, _Cut(slots, cuts, runs, faults), profile, relaxed)
     in_kerfs = _starts_in_kerfs(nest, cuts, profile)
     heatings = heatings_of_cuts(nest, cuts, runs, profile, in_kerfs)
     felt = measured(first_cuts(nest, cuts), heatings, thermometer)
     rules = judge(nest, felt, profile, relaxed)
     for other in (cuts.turned(by) for by in range(1, torch_count(cuts))):
         paths, wrong = runs_from_cuts(nest, other, profile.material.kerf_mm)
-        more, _ = _judge_paths(judged_by, _Cut(slots, other, paths, wrong), profile, relaxed, tabs)
+        more, _ = _judge_paths(judged_by, _Cut(slots, other, paths, wrong), profile, relaxed)
         judged, rules = stricter(judged, more), stricter(rules, judge(nest, first_cuts(nest, other), profile, relaxed))
     if profile.machine.torches.several or torch_count(cuts) > 1:
         judged.append(judgement("torches", wrong_torch_cuts(cuts, profile)))
@@ -223,7 +218,7 @@ def _judge_program(
 
     `late` are warnings of the program's times.
     """
-    nest, planned, tabs = judged_by.nest, besides.planned, besides.tabs
+    nest, planned = judged_by.nest, besides.planned
     notes = [*origin_warning(program, profile), *_coarse(program, profile), *late]
     profile = with_program_origin(program, profile)
     of_torches = list(wrong_spacing(program, profile, planned is not None))
@@ -233,7 +228,7 @@ def _judge_program(
     nest, slots = with_passes(nest, passes_of_program(nest, burnt, profile), profile)
     judged_by = replace(judged_by, nest=nest)
     kerf_mm, in_passes = profile.material.kerf_mm, profile.cuts.pierce_pass is not None
-    built = rebuild(nest, burnt, kerf_mm, profile.home_on(nest), tabs, planned, profile.tabs(), in_passes)
+    built = rebuild(nest, burnt, kerf_mm, profile.home_on(nest), planned, profile.tabs(), in_passes)
     if built.cuts.start_side is None and besides.side is not None:
         built = replace(built, cuts=replace(built.cuts, start_side=besides.side))
     astray = rapids_beyond_travel(nest, program, profile)
@@ -241,7 +236,7 @@ def _judge_program(
     if planned is not None:
         relaxed = tuple(dict.fromkeys((*relaxed, *planned.relaxed)))
     cut = _Cut(slots, built.cuts, built.runs, built.violations, astray, program.comments)
-    judged, warnings = _judge_paths(judged_by, cut, profile, relaxed, tabs)
+    judged, warnings = _judge_paths(judged_by, cut, profile, relaxed)
     if torches.several or of_torches:
         judged.append(judgement("torches", of_torches))
     if planned is not None and not turned:
@@ -267,13 +262,12 @@ def _coarse(program: NcProgram, profile: Technique) -> Iterator[str]:
 
 
 def _judge_paths(
-    judged_by: JudgedNest, cut: _Cut, profile: Technique, relaxed: Sequence[RelaxedStatement], tabs: Tabs | None
+    judged_by: JudgedNest, cut: _Cut, profile: Technique, relaxed: Sequence[RelaxedStatement]
 ) -> tuple[list[Judgement], list[str]]:
     """What is wrong with the paths of cuts."""
     slots, cuts, runs, faults, comments = cut.slots, cut.cuts, cut.runs, cut.faults, cut.comments
     nest, kerf_mm = judged_by.nest, profile.material.kerf_mm
-    if tabs is None and profile.tabs() is not None:
-        tabs = {one.contour: unlit_tabs(one, kerf_mm) for one in cuts if one.tabs}
+    tabs = {} if profile.tabs() is None else {one.contour: unlit_tabs(one, kerf_mm) for one in cuts if one.tabs}
     whole, runs = runs, [piece for run in runs for piece in run.lit]
     losses_mm = {name: slot.loss_mm(kerf_mm) for name, slot in slots.items()}
     found = gouges(nest, runs, kerf_mm, _sharing(nest, profile, relaxed), losses_mm)

@@ -122,13 +122,13 @@ def burnt_rings(
     runs: Sequence[TorchRun],
     before: BurntBefore,
     kerf_mm: float,
-    tabs: Tabs | None,
+    tabs: Tabs,
 ) -> BurntRings:
     """The rings that runs share, of these contours, and those of parts that tabs hold since `before` a stop.
 
     None in an ordinary program.
     """
-    within_mm, tabs = tolerance_mm(kerf_mm), tabs or {}
+    within_mm = tolerance_mm(kerf_mm)
     named = [run for run in runs if run.contour is not None and not run.marks]
     shared = [run for run in named if run.linked or run.partial or run.name in tabs]
     held = before.out & tabs.keys()
@@ -248,7 +248,6 @@ def _at(ring: shapely.LineString, at_mm: float) -> Point:
 
 
 Rings = Sequence[shapely.LineString | None]
-TabsByContour = Mapping[str, Sequence[Tab]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -272,7 +271,6 @@ def shared_cuts(
     matches: Sequence[Match | None],
     rings: Rings,
     kerf_mm: float,
-    tabs: TabsByContour | None = None,
     before: BurntBefore = NOTHING_BURNT,
 ) -> dict[int, list[CutOut]]:
     """For each burn that does not cut one contour all by itself, what it cuts, in order; the others are left out.
@@ -283,17 +281,16 @@ def shared_cuts(
     paths = [burn.path if burn.tool == 0 else None for burn in burns]
     around = [ring if contour.encloses else None for ring, contour in zip(rings, nest.contours, strict=True)]
     own = _own(matches, lines, within_mm)
-    tabbed = frozenset(k for k, contour in enumerate(nest.contours) if tabs and contour.id in tabs)
     left = [None if contour.id in before.out else ring for ring, contour in zip(around, nest.contours, strict=True)]
     burnt = _burnt_on(left, before.lines, within_mm)
-    odd = find_shared_burns(paths, lines, around, own, within_mm, tabbed | (burnt.keys() - set(own)))
+    odd = find_shared_burns(paths, lines, around, own, within_mm, burnt.keys() - set(own))
     if not odd.burns:
         return {}
     free: dict[int, Floats] = {}
     taken, cut = set(odd.burns), set(odd.rings)
     coverage: dict[int, Covered] = {}
     while more := cut - coverage.keys():
-        free |= {k: tab_intervals(around[k], (tabs or {}).get(nest.contours[k].id, ()), within_mm) for k in more}
+        free |= dict.fromkeys(more, NONE)
         coverage |= _coverage(sorted(more), around, _with(free, burnt), paths, lines, within_mm)
         open_yet = sorted(k for k in more if coverage[k].out is None)
         free |= {k: union(np.concatenate([free[k], rounds(around[k], nest.contours[k])])) for k in open_yet}

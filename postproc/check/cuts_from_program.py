@@ -20,7 +20,7 @@ from kerfwise.rules.judging.pierces import starts_in_older_kerfs
 from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.values import ProfileValues
 
-from .coverage import TabsByContour, shared_cuts
+from .coverage import shared_cuts
 from .cut_from_burn import SplitBurn, cut_from_burn, split_burns
 from .matching import Match, Matcher, extend_to_tabs, with_tabs
 from .plan_conformance import PlanClaims
@@ -57,7 +57,6 @@ def rebuild(
     program: NcProgram,
     kerf_mm: float,
     home: Point,
-    tabs: TabsByContour | None = None,
     planned: PlanClaims | None = None,
     tabs_asked: TabOptions | None = None,
     in_passes: bool = False,
@@ -72,7 +71,7 @@ def rebuild(
     does not move is one.
     """
     with in_steps_of(program.step_mm):
-        return _rebuilt(nest, program, kerf_mm, home, tabs, planned, tabs_asked, in_passes)
+        return _rebuilt(nest, program, kerf_mm, home, planned, tabs_asked, in_passes)
 
 
 def _widths_asked(nest: Nest, contour: Contour, options: TabOptions | None) -> list[float]:
@@ -88,7 +87,6 @@ def _rebuilt(
     program: NcProgram,
     kerf_mm: float,
     home: Point,
-    tabs: TabsByContour | None,
     planned: PlanClaims | None,
     tabs_asked: TabOptions | None,
     in_passes: bool,
@@ -114,7 +112,7 @@ def _rebuilt(
     if planned is not None and not before.cuts:
         begun = [row for row in planned.cuts.begun if row[0] <= planned.cuts.made]
     burnt_before = burnt_by(nest, made_before, kerf_mm, begun)
-    several = shared_cuts(nest, burns, paths, matches, matcher.rings, kerf_mm, tabs, burnt_before)
+    several = shared_cuts(nest, burns, paths, matches, matcher.rings, kerf_mm, burnt_before)
     zones = _zones(program.comments, ids) if several or any(burn.torch > 1 for burn in burns) else {}
     excused = _excused(program, ids)
     cuts: list[Cut] = list(made_before)

@@ -1,4 +1,4 @@
-"""Contours that several burns cut: grids of which every edge is cut once, tabs, and what can be wrong with them."""
+"""Contours that several burns cut: grids of which every edge is cut once, and what can be wrong with them."""
 
 from __future__ import annotations
 
@@ -6,10 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.nest import Nest
-from kerfwise.postproc.check import Besides, CheckResult, check_program, report
-from kerfwise.postproc.check.coverage import Tabs
+from kerfwise.postproc.check import CheckResult, check_program, report
 from kerfwise.postproc.check.cuts_from_program import rebuild
 from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.rules.case import circle, nest, part, rect
@@ -35,8 +33,8 @@ def bare() -> Profile:
 PROFILE = bare()
 
 
-def judged(burns: list[Line], sheet: Nest = GRID, tabs: Tabs | None = None) -> CheckResult:
-    return check_program(sheet, program_of(burns, PROFILE), PROFILE, besides=Besides(tabs=tabs))
+def judged(burns: list[Line], sheet: Nest = GRID) -> CheckResult:
+    return check_program(sheet, program_of(burns, PROFILE), PROFILE)
 
 
 def test_a_grid_of_which_every_edge_is_cut_once() -> None:
@@ -94,34 +92,18 @@ def _round(x: float, y: float, r: float) -> Line:
 
 ONE = nest(200, 200, part("A", rect(40, 40, 100, 60)))
 LOW, HIGH = 40 - KERF_MM / 2, (140 + KERF_MM / 2, 100 + KERF_MM / 2)
-TABS = {"A.outer": [Tab((90, 40), 3.0), Tab((90, 100), 3.0)]}
 HALVES: list[Line] = [
-    [(91.5, LOW), (HIGH[0], LOW), HIGH, (91.5, HIGH[1])],
-    [(88.5, HIGH[1]), (LOW, HIGH[1]), (LOW, LOW), (88.5, LOW)],
+    [(90, LOW), (HIGH[0], LOW), HIGH, (90, HIGH[1])],
+    [(90, HIGH[1]), (LOW, HIGH[1]), (LOW, LOW), (90, LOW)],
 ]
-
-
-def test_a_rectangle_on_two_tabs() -> None:
-    result = judged(HALVES, ONE, TABS)
-    assert result.ok, report(result)
-    assert judged(HALVES, ONE).broken() == ("every-contour-once",)
-
-
-def test_a_tab_too_many_and_a_tab_that_is_cut() -> None:
-    more = judged([[*HALVES[0][:2], (HIGH[0], 60)], [(HIGH[0], 63), *HALVES[0][2:]], HALVES[1]], ONE, TABS)
-    assert more.broken() == ("every-contour-once",)
-    assert "A.outer is not cut all along: 3.0 mm are left, at (140.8, 61.5)" in report(more)
-    lacking = judged([[*HALVES[0][:3], *HALVES[1]]], ONE, TABS)
-    assert lacking.broken() == ("tabs",)
-    assert "3.00 of 3 mm of the tab of A.outer at (90.0, 100.0) are cut" in report(lacking)
 
 
 def test_a_pierce_that_finishes_no_contour_is_judged_too() -> None:
     given = replace(PROFILE, rules={**PROFILE.rules, "pierce": profile().rules["pierce"]})
     out: list[Line] = [[(x, y), *burn] for (x, y), burn in zip([(95, LOW - 5), (84, HIGH[1] + 5)], HALVES, strict=True)]
-    assert check_program(ONE, program_of(out, given), given, besides=Besides(tabs=TABS)).ok
+    assert check_program(ONE, program_of(out, given), given).ok
     on_part: list[Line] = [[(95, LOW + 5), *HALVES[0]], out[1]]
-    result = check_program(ONE, program_of(on_part, given), given, besides=Besides(tabs=TABS))
+    result = check_program(ONE, program_of(on_part, given), given)
     assert {"pierce", "no-gouging"} == set(result.broken())
     assert "A.outer (cut 1) is pierced inside itself, at (95.00, 44.25)" in report(result)
 
