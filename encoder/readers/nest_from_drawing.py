@@ -232,12 +232,12 @@ HOLES = re.compile(r"hole|inner|inside|innen|loch|bohr|cut-?outs?$|отверс�
 """Layers that say that what is drawn on them is the inside of a part."""
 
 
-def assemble(rings: Sequence[DrawnCurve], marks: Sequence[DrawnCurve] = ()) -> tuple[tuple[Part, ...], list[Note]]:
+def assemble(rings: Sequence[DrawnCurve]) -> tuple[tuple[Part, ...], list[Note]]:
     """Parts P1, P2, … in the order their outer rings are drawn in, and notes on what was left out.
 
     A ring at even depth is the outside of a part, one at odd depth a hole of the part around it. Where rings overlap,
     so that one at odd depth lies in no part, it is a part, too: the check of the nest tells the overlap. A ring that is
-    the same line as an earlier one is dropped; a mark belongs to the part that has most of it.
+    the same line as an earlier one is dropped.
     """
     if not rings:
         return (), []
@@ -262,8 +262,7 @@ def assemble(rings: Sequence[DrawnCurve], marks: Sequence[DrawnCurve] = ()) -> t
         outer = rings[kept[n]]
         parts.append(Part(part, _contour(names[kept[n]], part, "outer", outer), inner, (), attributes_of(outer)))
     notes = [_repeat(rings[k], rings[first], names[first]) for k, first in sorted(repeats.items())]
-    marked, lost, _ = with_marks(parts, marks)
-    return marked, notes + lost
+    return tuple(parts), notes
 
 
 def _contour(name: str, part: str, kind: Kind, ring: DrawnCurve) -> Contour:
