@@ -24,8 +24,8 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.adaptive_zones import ZonedPlan, better_zones, plan_by_rungs, zones_follow
 from kerfwise.jobs.by_engine import PORTFOLIO, Method, solve_by, with_less_work
-from kerfwise.jobs.completed_plan import completed
 from kerfwise.jobs.first_plan import first_plan, plan_at_hand
+from kerfwise.jobs.gantry import completed
 from kerfwise.jobs.inputs import Inputs, Tell, silent
 from kerfwise.jobs.plan_without_zones import is_look_worthwhile, zoned_by
 from kerfwise.jobs.progress import Listener

@@ -24,8 +24,7 @@ from pathlib import Path
 
 import kerfwise
 from kerfwise.benchmarks import chain_proofs
-from kerfwise.benchmarks.checked_plan import checked_plan
-from kerfwise.benchmarks.plates import made_plate
+from kerfwise.benchmarks.plates import checked_plan, made_plate
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.models.plan.plan import Plan

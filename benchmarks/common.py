@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import kerfwise
-from kerfwise.benchmarks.checked_plan import checked_plan
+from kerfwise.benchmarks.plates import checked_plan
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json

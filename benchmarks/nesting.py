@@ -39,8 +39,7 @@ from kerfwise.rules.profile.sections import Common as CommonCuts
 from kerfwise.rules.profile.sections import Cuts, Scrap
 
 from .nesting_lists import cutting_list, day_list, furniture
-from .nesting_sound import paragraph, sound
-from .nesting_strips import strips
+from .nesting_strips import paragraph, sound, strips
 
 PROFILE, GAP_MM = "laser-st10kp-2mm", 6.0
 PRICES = Prices(

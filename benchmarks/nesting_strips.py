@@ -6,7 +6,9 @@ import gzip
 import io
 import json
 import re
+import sys
 import tarfile
+import textwrap
 import time
 import zipfile
 from collections.abc import Iterator
@@ -24,8 +26,6 @@ from kerfwise.apps.nesting.placement.shapes import Shapes
 from kerfwise.apps.nesting.placement.sparrow import compact_layout
 from kerfwise.encoder.nest import Sheet
 from kerfwise.rules.case import part
-
-from .nesting_sound import paragraph, sound
 
 HEIGHT_MM = 1000.0
 """Instances are scaled so that their strip is so high."""
@@ -122,3 +122,16 @@ def _record(name: str, area: float, checkout: Path) -> str:
         re.search(r'd="M0,0 L([\d.]+),0 L[\d.]+,([\d.]+)', file.read_text(encoding="utf-8")) if file.is_file() else None
     )
     return f"{area / (float(found[1]) * float(found[2])):.3f}" if found else "–"
+
+
+def sound(layout: Layout) -> Nested:
+    """The nests of a layout; a fault that the check finds ends the run."""
+    nested = nests_from(layout)
+    if nested.faults:
+        sys.exit("\n".join(nested.faults))
+    return nested
+
+
+def paragraph(*sentences: str) -> str:
+    """Sentences in lines of a page, and an empty line after them."""
+    return textwrap.fill(" ".join(sentences), 118, break_long_words=False, break_on_hyphens=False) + "\n"

@@ -36,7 +36,7 @@ PHASES: dict[str, tuple[tuple[str, str], ...]] = {
     "plan and its reasons": (
         ("kerfwise.pipeline", "make_plan"),
         ("kerfwise.pipeline", "with_reasons"),
-        ("kerfwise.jobs.completed_plan", "with_times"),
+        ("kerfwise.jobs.gantry", "with_times"),
     ),
     "program": (("kerfwise.pipeline", "write_program"),),
     "check": (

@@ -40,9 +40,9 @@ Made by `python benchmarks/plans.py --work {work:g} > docs/benchmarks.md` with k
 Python {python}, seed 1. Seconds are wall-clock on a shared two-core machine, compiled kernels loaded: compare them
 within this page only. The objective is idle
 travel and what soft rules cost that are broken (an excuse of a hard one weighs 1000 m). A gap is (objective - bound) /
-objective; none is given where no bound is proven. How the
-time for facts grows from 100 to 10,000 contours: `python benchmarks/facts.py`. Zones stay as geometry makes them here;
-`kerfwise solve` moves them where that makes a shorter plan ([what zones cost](zones.md)).
+objective; none is given where no bound is proven. Zones stay as
+geometry makes them here; `kerfwise solve` moves them where that makes a shorter plan ([what zones cost](zones.md)).
+How the time grows, facts among it: [phases](phases.md).
 
 ## Under the default profile
 

@@ -11,9 +11,10 @@ from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.adaptive_zones import ZonedPlan, better_zones, plan_by_rungs, zones_follow
 from kerfwise.jobs.plan_without_zones import zoned_by
-from kerfwise.jobs.request import Request
+from kerfwise.jobs.request import Request, facts_of, make_request, options_for
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.solve import solve
+from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM
@@ -58,3 +59,15 @@ def planned_by_zones(request: Request, profile: Profile, limits: SolveOptions) -
     solution = solve(request.facts, request.stated.statements, limits, None, looks)
     order = [request.facts.candidates[c].contour for c in solution.route]
     return better_zones(request, lazy_statements(request.facts, profile)(order), profile, solution, limits)
+
+
+def checked_plan(name: str, nest: Nest, profile: Profile, work: float, and_zones: bool = False) -> VerifiedPlan:
+    """Plan a nest with so much work, and judge the plan and its program.
+
+    Raises SystemExit if the program does not pass the check; `name` is what the message begins with.
+    """
+    asked = make_request(facts_of(nest, profile), profile)
+    made = solve_and_verify(asked, profile, options_for(nest, profile, work=work), move_zones=and_zones)
+    if not made.verdict.ok:
+        raise SystemExit(f"{name}: the program fails the check: {', '.join(made.verdict.broken())}")
+    return made

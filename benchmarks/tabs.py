@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import kerfwise
-from kerfwise.benchmarks.checked_plan import checked_plan
-from kerfwise.benchmarks.plates import made_plate
+from kerfwise.benchmarks.plates import checked_plan, made_plate
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile

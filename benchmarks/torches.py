@@ -12,7 +12,7 @@ import argparse
 import time
 from dataclasses import replace
 
-from kerfwise.benchmarks.checked_plan import checked_plan
+from kerfwise.benchmarks.plates import checked_plan
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile

@@ -27,7 +27,7 @@ from kerfwise.jobs.inputs import (
     tabs_not_left,
 )
 from kerfwise.jobs.nest_job.job import job_beside
-from kerfwise.languages.catalogue import ENGLISH, LANGUAGES
+from kerfwise.languages import ENGLISH, LANGUAGES
 from kerfwise.models.engines import ENGINES, OLD_NAMES, Engine
 from kerfwise.rules.profile.load import DEFAULT, files_of
 from kerfwise.rules.profile.plant_sections import ORIGINS, Origin

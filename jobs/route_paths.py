@@ -19,7 +19,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import Statement, by_kind
 from kerfwise.rules.stating.state_rules import Stated
 
-from .completed_plan import completed
+from .gantry import completed
 from .simulation import path_of_plan
 
 _NOTHING_ASKED = Stated((), ())

@@ -17,7 +17,7 @@ from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.programs import time_made
 from kerfwise.jobs.progress import Listener, Listeners
 from kerfwise.jobs.request import options_for
-from kerfwise.languages.catalogue import ENGLISH, texts
+from kerfwise.languages import ENGLISH, texts
 from kerfwise.pipeline import FinishedPlan, Watchers, plan_nest
 from kerfwise.postproc.output_files import remnant_files
 from kerfwise.postproc.report import draw

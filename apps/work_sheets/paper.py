@@ -11,7 +11,7 @@ from itertools import groupby
 import numpy as np
 
 from kerfwise.app_modules import library
-from kerfwise.languages.catalogue import ENGLISH_TEXTS, Texts
+from kerfwise.languages import ENGLISH_TEXTS, Texts
 from kerfwise.postproc.report.plot import A4
 from kerfwise.postproc.report.scene import FAINT, INK, Item, Scene, SceneLayer, Shape, Style, TextLine, text_width
 

@@ -15,7 +15,7 @@ from kerfwise.encoder.files import is_file, read_limited
 from kerfwise.encoder.nest import PART_TYPE, Nest, Part
 from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.jobs.inputs import attribute_text
-from kerfwise.languages.catalogue import ENGLISH, ENGLISH_TEXTS, Texts, texts
+from kerfwise.languages import ENGLISH, ENGLISH_TEXTS, Texts, texts
 from kerfwise.postproc.report.plot import A4, pdf_bytes
 from kerfwise.postproc.report.scene import FAINT, INK, Scene, SceneLayer, Shape, Style, TextLine
 from kerfwise.rules.profile.plant_sections import MATERIALS

@@ -51,7 +51,7 @@ def sheet_command(
     """
     from kerfwise.apps.work_sheets.sheet_parts import labels_pdf, sheet_number
     from kerfwise.apps.work_sheets.work_sheet import about_of_job, sheets_pdf, work_sheet
-    from kerfwise.languages.catalogue import texts
+    from kerfwise.languages import texts
     from kerfwise.models.plan.read_plan import read_plan
     from kerfwise.postproc.output_files import expect_outputs, write_files
 

@@ -15,7 +15,7 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.inputs import Inputs, Tell, dates_ignored, differences, program_text, silent
 from kerfwise.jobs.nest_job.job import Job
 from kerfwise.jobs.programs import Times, time_made
-from kerfwise.languages.catalogue import ENGLISH, ENGLISH_TEXTS, Texts, texts
+from kerfwise.languages import ENGLISH, ENGLISH_TEXTS, Texts, texts
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.report.legend import clock_text, duration

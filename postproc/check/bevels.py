@@ -27,8 +27,22 @@ from kerfwise.postproc.dialects import pierce_dwell_of
 from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.technique import Technique
 
-from .bevel_faces import Slope, cut_away_mm, face_area, half_width_mm, section_of, sides_of, slopes_of
-from .jets import ANGLE_DEG, Jet, Root, jet_of, root_ring, roots_of, torch_burns
+from .jets import (
+    ANGLE_DEG,
+    Jet,
+    Root,
+    Slope,
+    cut_away_mm,
+    face_area,
+    half_width_mm,
+    jet_of,
+    root_ring,
+    roots_of,
+    section_of,
+    sides_of,
+    slopes_of,
+    torch_burns,
+)
 from .torch_run import tolerance_mm
 
 _RULE = "bevels"

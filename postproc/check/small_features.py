@@ -21,9 +21,9 @@ from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.profile.technique import Technique
 
-from .bevel_faces import as_burnt
 from .burn_pieces import stretches_of
 from .gouging import metal_of_parts
+from .jets import as_burnt
 from .matching import Matcher
 from .plan_runs import slit_ends
 from .result import normalize_name

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from kerfwise.encoder.nest import Nest
-from kerfwise.languages.catalogue import ENGLISH_TEXTS, Texts
+from kerfwise.languages import ENGLISH_TEXTS, Texts
 from kerfwise.models.plan.plan import Plan
 
 from . import scene

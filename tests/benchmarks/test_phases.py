@@ -1,24 +1,20 @@
-"""Benchmarks of speed: phases, facts, sizes, the page."""
+"""Benchmarks of speed: phases, sizes, the page."""
 
 from __future__ import annotations
 
 import importlib
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-from kerfwise.benchmarks import facts as benchmark
 from kerfwise.benchmarks import phase_clock, phases
 from kerfwise.benchmarks.page import nest_of, plan_of
 from kerfwise.benchmarks.phase_clock import ALL, BUT_PLANNING, BY_CLOCK, MEMORY, PHASES, REST, Clock
 from kerfwise.benchmarks.phase_tables import Start, phase_table, start_table
-from kerfwise.benchmarks.plates import cost, made_plate
+from kerfwise.benchmarks.plates import cost
 from kerfwise.benchmarks.scale import OTHERS, Job, page, row, run, with_others
-from kerfwise.encoder.facts import compute, compute_facts
 from kerfwise.postproc.report import draw
-from kerfwise.rule_kit import FactOptions
 
 HEADS = (("cold", ", s"), ("kernels", ""), ("warm", ", s"))
 PAGE = (Path(__file__).parents[2] / "docs" / "phases.md").read_text(encoding="utf-8")
@@ -108,29 +104,6 @@ def test_a_plate_that_is_kept_is_not_run_again(tmp_path: Path, monkeypatch: pyte
     assert phases.kept_in(None, 1, 300) is None
     assert tree.phases(300, 0.1, 6.0) == {"contours": 300}
     assert ran == ["300", "300"]
-
-
-def test_prints_a_row_for_every_family(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(sys, "argv", ["facts.py", "--contours", "30", "60", "--candidates", "2"])
-    benchmark.main()
-    printed = capsys.readouterr().out
-    rows = [[cell.strip() for cell in line.split("│")[1:-1]] for line in printed.splitlines() if line.startswith("│")]
-    assert [row[0] for row in rows] == [*benchmark.FAMILIES, "all"]
-    assert all(len(row) == 4 and float(row[1]) >= 0 <= float(row[2]) for row in rows)
-
-
-def test_the_exponent_is_fitted_to_large_sizes_only() -> None:
-    assert benchmark.exponent([100, 1000, 10_000], [9.0, 1.0, 100.0]) == "2.00"
-    assert benchmark.exponent([100, 1000], [1.0, 2.0]) == ""
-
-
-def test_measuring_leaves_compute_facts_as_it_was() -> None:
-    nest = made_plate(20, seed=1)
-    before = {name: getattr(compute, name) for names in benchmark.FAMILIES.values() for name in names}
-    spent = benchmark.seconds_by_family(nest, benchmark.plain_candidates(nest, 2))
-    assert {name: getattr(compute, name) for name in before} == before
-    assert set(spent) == {*benchmark.FAMILIES, "all"}
-    assert compute_facts(nest, FactOptions()).n == len(nest.contours)
 
 
 @pytest.mark.parametrize("zones", [True, pytest.param(False, marks=pytest.mark.slow)])

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from kerfwise.rules.profile.page import profile_page
 from kerfwise.rules.profile.schema import profile_schema
+from kerfwise.tests.docs.profile_page import profile_page
 
 
 def keys_of(schema: dict[str, Any], path: str = "") -> Iterator[str]:
@@ -23,7 +23,7 @@ def keys_of(schema: dict[str, Any], path: str = "") -> Iterator[str]:
 
 def test_docs_are_up_to_date() -> None:
     written = Path(__file__).parents[2] / "docs" / "profile.md"
-    made = "run python -m kerfwise.rules.profile.page > profile.md && mv profile.md docs/profile.md"
+    made = "run python -m kerfwise.tests.docs.profile_page > profile.md && mv profile.md docs/profile.md"
     assert written.read_text(encoding="utf-8") == profile_page(), made
 
 

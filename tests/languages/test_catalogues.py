@@ -11,7 +11,7 @@ import pytest
 from babel.messages.catalog import Catalog
 from babel.messages.mofile import read_mo
 
-from kerfwise.languages.catalogue import ENGLISH, LANGUAGES, catalogue, page_texts, texts
+from kerfwise.languages import ENGLISH, LANGUAGES, catalogue, page_texts, texts
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.tools.catalogues import (
     FOLDER,

@@ -42,7 +42,7 @@ from kerfwise.models.plan.explain.alternatives import PositionCosts, other_state
 from kerfwise.models.plan.explain.context import PlanContext, make_context
 from kerfwise.models.plan.explain.explain import heat_prices
 from kerfwise.models.plan.explain.other_places import OtherPlaces
-from kerfwise.models.plan.explain.price_split import price_split
+from kerfwise.models.plan.explain.reasons import price_split
 from kerfwise.models.plan.make_plan import entry_reasons, excuses, make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
@@ -182,7 +182,7 @@ REFUSES: dict[str, list[Refuses]] = {
     "models/plan/explain/explain.py": [lambda _: heat_prices(setting(at_weight(1.0, HEAT)), 0)],
     "models/plan/explain/context.py": [set_up],
     "models/plan/explain/other_places.py": [lambda _: OtherPlaces(setting())],
-    "models/plan/explain/price_split.py": [lambda _: price_split(setting())],
+    "models/plan/explain/reasons.py": [lambda _: price_split(setting())],
     "models/engines/minizinc_model.py": [
         lambda _: condition_arrays(PROFILE, STATED),
         lambda _: conditions(INVENTED),

@@ -26,7 +26,7 @@ from babel.messages.extract import extract
 from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po, write_po
 
-from kerfwise.languages.catalogue import ENGLISH, LANGUAGES
+from kerfwise.languages import ENGLISH, LANGUAGES
 from kerfwise.postproc import report
 from kerfwise.rules.registry import RULES
 

@@ -19,7 +19,7 @@ from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest, Source
-from kerfwise.languages.catalogue import page_texts
+from kerfwise.languages import page_texts
 from kerfwise.models.plan.plan import Plan, PlannedCut
 from kerfwise.models.plan.read_plan import expect_plan_of
 from kerfwise.postproc.report.legend import nest_name

@@ -11,7 +11,7 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 
 from kerfwise.apps.viewer import page
 from kerfwise.apps.viewer.page.page_html import as_script_data, page_and_policy
-from kerfwise.languages.catalogue import page_texts
+from kerfwise.languages import page_texts
 
 ENTRY = "worked.js"
 """The module of `hands` that the page of a nest begins with."""

@@ -41,8 +41,7 @@ from .alternatives import (
     other_statements,
 )
 from .context import PlanContext, make_context
-from .price_split import price_split
-from .reasons import EXEMPTION_UM, KeptOrders, Reasons
+from .reasons import EXEMPTION_UM, KeptOrders, Reasons, price_split
 
 
 def explain(facts: Facts, profile: Technique, stated: Stated, plan: Plan, contour: str) -> Explanation:

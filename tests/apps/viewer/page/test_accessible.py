@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from kerfwise.languages.catalogue import texts
+from kerfwise.languages import texts
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.apps.viewer.page.conftest import Open
 from kerfwise.tests.apps.viewer.page.seen import Seen

@@ -1,4 +1,4 @@
-"""The page of every key of a profile: `python -m kerfwise.rules.profile.page > docs/profile.md`.
+"""The page of every key of a profile: `python -m kerfwise.tests.docs.profile_page > docs/profile.md`.
 
 It is made from the declarations that profiles are read with, as the schema is.
 """
@@ -12,16 +12,15 @@ from typing import Any
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.option import Members, Option, options_of
 from kerfwise.rules.own import own_rules_schema
+from kerfwise.rules.profile.load import MOVED
+from kerfwise.rules.profile.schema import profile_schema
+from kerfwise.rules.profile.sections import SECTIONS
 from kerfwise.rules.registry import RULES
-
-from .load import MOVED
-from .schema import profile_schema
-from .sections import SECTIONS
 
 INTRODUCTION = """\
 # Every key of a profile
 
-Made from what profiles are read with, by `python -m kerfwise.rules.profile.page > docs/profile.md`.
+Made from what profiles are read with, by `python -m kerfwise.tests.docs.profile_page > docs/profile.md`.
 
 A profile is one YAML file. A key that it does not give has the value of the profile that it is `based_on`, else the
 default below. `kerfwise profile show PROFILE --sources` prints all of them with the line that each is from,
