@@ -3,7 +3,8 @@ from dataclasses import replace
 import pytest
 
 from kerfwise.encoder.readers.drawing import DrawnCurve
-from kerfwise.encoder.readers.nest_from_drawing import assemble, with_marks
+from kerfwise.encoder.readers.lettering import with_marks
+from kerfwise.encoder.readers.nest_from_drawing import assemble
 from kerfwise.tests.encoder.readers.drawings import square, texts
 from kerfwise.tests.encoder.readers.pieces import pieces
 
