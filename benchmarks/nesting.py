@@ -25,10 +25,9 @@ from kerfwise.apps.nesting.find_nests import (
     varied_layouts,
     weigh,
 )
-from kerfwise.apps.nesting.placement.blocks import usable_area_mm2
 from kerfwise.apps.nesting.placement.demand import Demand, Spacing, Stock
 from kerfwise.apps.nesting.placement.layout import Layout
-from kerfwise.apps.nesting.placement.rounds import METHODS, Effort, best_layout, least_worth
+from kerfwise.apps.nesting.placement.rounds import METHODS, Effort, best_layout
 from kerfwise.encoder.nest import Sheet
 from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.jobs.progress import Listener
@@ -38,7 +37,7 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.profile.sections import Common as CommonCuts
 from kerfwise.rules.profile.sections import Cuts, Scrap
 
-from .nesting_lists import cutting_list, day_list, furniture
+from .nesting_lists import cutting_list, day_list, furniture, least_worth, usable_area_mm2
 from .nesting_strips import paragraph, sound, strips
 
 PROFILE, GAP_MM = "laser-st10kp-2mm", 6.0

@@ -20,8 +20,8 @@ from ezdxf.addons.r12writer import r12writer
 
 from kerfwise.apps.bench.bench_child import peak_mb
 from kerfwise.apps.nesting.find_nests import spacing_of
-from kerfwise.apps.nesting.placement.rounds import least_worth
 from kerfwise.apps.nesting.request import order_of
+from kerfwise.benchmarks.nesting_lists import least_worth
 from kerfwise.cli import program
 from kerfwise.jobs.inputs import plant_of, reading
 

@@ -62,8 +62,8 @@ class Deadline:
     --------
     >>> deadline = Deadline(2.0)
     >>> deadline.spend(1.5)
-    >>> deadline.left, deadline.part(0.5).left, deadline.share_spent
-    (0.5, 0.25, 0.75)
+    >>> deadline.left, deadline.part(0.5).left
+    (0.5, 0.25)
 
     >>> deadline = Deadline(enough=Enough(gap=0.1))
     >>> deadline("search", 100, None), deadline("ideals", 100, 89), deadline("ideals", 100, 90)
@@ -166,12 +166,6 @@ class Deadline:
     def left(self) -> float:
         """Deterministic seconds, or seconds by the clock if they are fewer; not above 0 when all is spent."""
         return min((self.operations - self.operations_spent) / self.per_s, self.left_s)
-
-    @property
-    def share_spent(self) -> float:
-        """Share of the work, or of the time if that is more."""
-        share = self.operations_spent / max(self.operations, 1e-9)
-        return share if self.time_s is None else max(share, self.seconds / max(self.time_s, 1e-3))
 
     def spend(self, operations: float) -> None:
         """Count work; the clock counts by itself."""

@@ -41,7 +41,6 @@ from kerfwise.rules.rule import USUAL, Plate
 # there, as MiniZinc wants it, and empty.
 
 NEVER_MS = 10**9
-PAIRS = ("level_ahead", "in_hull")
 
 
 @dataclass(frozen=True, slots=True)

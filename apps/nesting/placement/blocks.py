@@ -216,18 +216,6 @@ class PairPlacement:
         return self.width_mm * self.height_mm
 
 
-def usable_area_mm2(width_mm: float, height_mm: float, margins_mm: tuple[float, float], half_kerf_mm: float) -> float:
-    """Pavlov's (D - 2 l_D + δ)(E - 2 l_E + δ): what a sheet D × E gives, with margins l and a kerf of 2 δ.
-
-    Examples
-    --------
-    >>> usable_area_mm2(1500.0, 1000.0, (10.0, 5.0), 0.35)
-    1466064.6225
-    """
-    across, up = margins_mm
-    return (width_mm - 2 * across + half_kerf_mm) * (height_mm - 2 * up + half_kerf_mm)
-
-
 def turns_to_try(fixed: shapely.Polygon, coming: shapely.Polygon) -> list[float]:
     """The turns of the second part, degrees: a side of it on a side of the first, or parallel to the x axis."""
     first, second = _directions(fixed), _directions(coming)

@@ -2,14 +2,13 @@
 
 from kerfwise.models.engines.tuning import STAGES
 
-from .prove import Proof, applies, priceable, prove, prove_priced, sets_out, unfit, widen
+from .prove import Proof, priceable, prove, prove_priced, sets_out, unfit, widen
 from .sets import Count, count_sets
 
 __all__ = [
     "STAGES",
     "Count",
     "Proof",
-    "applies",
     "count_sets",
     "priceable",
     "prove",

@@ -77,11 +77,6 @@ class Proof:
     better: Incumbent | None = None
 
 
-def applies(problem: Problem) -> bool:
-    """Whether a state of the sweep holds all that a step costs."""
-    return problem.looks_one_back
-
-
 def unfit(problem: Problem) -> str:
     """Why a proof is not worth a try; empty where it is: it applies, and the moves of every stretch fit in a table."""
     if problem.further_back is not None:

@@ -9,7 +9,6 @@ from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.cpsat import solve_cpsat
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.ideals.prove import applies
 from kerfwise.models.engines.minizinc_engine import solve_minizinc
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.compile import make_problem
@@ -55,7 +54,7 @@ def disagreements(case: Case) -> tuple[str, list[str]]:
 def optima(problem: Problem) -> dict[str, int | None]:
     """Engine → the least cost, µm, as it proves it; None where it says that there is no plan."""
     found: dict[str, int | None] = {}
-    if applies(problem):
+    if problem.looks_one_back:
         proof = prove(problem, None, Deadline(10))
         if proof is not None:
             found["ideals"] = None if proof.incumbent is None else proof.incumbent.cost

@@ -10,13 +10,14 @@ import shapely
 
 from kerfwise.apps.nesting.find_nests import spacing_of, with_held
 from kerfwise.apps.nesting.nests import nests_from
-from kerfwise.apps.nesting.placement.blocks import places_beside, turns_to_try, usable_area_mm2
+from kerfwise.apps.nesting.placement.blocks import places_beside, turns_to_try
 from kerfwise.apps.nesting.placement.demand import Common, Demand, PartType, Spacing, Stock
 from kerfwise.apps.nesting.placement.fill import Room, Taste, fill
 from kerfwise.apps.nesting.placement.layout import Layout, Sheetful
 from kerfwise.apps.nesting.placement.rounds import Effort, Patterns, best_layout
 from kerfwise.apps.nesting.placement.shapes import Shapes
 from kerfwise.apps.nesting.programs import planned
+from kerfwise.benchmarks.nesting_lists import usable_area_mm2
 from kerfwise.jobs.progress import Listener
 from kerfwise.rule_kit import Part, Sheet, circle, part, rect
 from kerfwise.rules.profile.load import load_profile

@@ -10,8 +10,9 @@ from kerfwise.apps.nesting.placement.demand import Demand, PartType, Spacing, St
 from kerfwise.apps.nesting.placement.fill import LEFT, Room, put_best
 from kerfwise.apps.nesting.placement.layout import Layout, Sheetful, allot, squeeze_last_sheet
 from kerfwise.apps.nesting.placement.nofit import Placed, Pose
-from kerfwise.apps.nesting.placement.rounds import Effort, Patterns, best_layout, layouts, least_worth
+from kerfwise.apps.nesting.placement.rounds import Effort, Patterns, best_layout, layouts
 from kerfwise.apps.nesting.placement.shapes import Shapes
+from kerfwise.benchmarks.nesting_lists import least_worth
 from kerfwise.encoder.nest import Part, Sheet
 from kerfwise.rules.case import circle, part, rect
 from kerfwise.tests.apps.nesting.placement.random_lists import random_order

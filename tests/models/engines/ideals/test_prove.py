@@ -13,7 +13,6 @@ from hypothesis import assume, given
 from kerfwise.models import jit
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.ideals import prove
-from kerfwise.models.engines.ideals.prove import applies
 from kerfwise.models.engines.ideals.stretch import series
 from kerfwise.models.engines.ideals.stretches.stretch_tables import NARROW
 from kerfwise.models.engines.solution import Incumbent
@@ -139,7 +138,7 @@ def test_says_so_when_it_does_not_fit() -> None:
 
 def test_does_not_claim_what_a_state_cannot_hold() -> None:
     lagged = replace(scattered(1, 4, 1), lags=(Lag(0, 1, ABOUT, cuts=2),))
-    assert not applies(lagged)
+    assert not lagged.looks_one_back
     assert prove(lagged, None, Deadline(10)) is None
 
 
