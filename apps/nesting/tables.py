@@ -63,6 +63,10 @@ class Head:
     unread: tuple[str, ...] = ()
 
 
+LONGEST_WORD = 200
+"""Letters of what a column may be called."""
+
+
 def head_of(line: int, cells: Sequence[Any]) -> Head | None:
     """The head that a row of cells is; None where it names neither parts nor sheets.
 
@@ -73,7 +77,7 @@ def head_of(line: int, cells: Sequence[Any]) -> Head | None:
     >>> head_of(1, ["Zeichnung", "Stück", "Dicke [mm]", "Bemerkung"]).columns
     {0: 'part', 1: 'quantity', 2: 'thickness'}
     """
-    texts = [str(cell or "").strip() for cell in cells]
+    texts = [text if len(text := str(cell or "").strip()) <= LONGEST_WORD else "" for cell in cells]
     units = [_UNIT.search(text) for text in texts]
     bare = [text[: unit.start()] if unit else text for text, unit in zip(texts, units, strict=True)]
     words = [_plain(re.sub(r"[\[(].*?[\])]", "", text) or text) for text in bare]

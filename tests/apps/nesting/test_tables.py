@@ -183,3 +183,10 @@ def test_the_template_is_a_list_and_is_not_written_over(tmp_path: Path, name: st
     if name.endswith(".xlsx"):
         assert isinstance(found.sheets[0], SheetRow)
     assert kerfwise("nest", "new-list", "-o", tmp_path / name).code == 2
+
+
+def test_a_cell_too_long_for_a_name_is_none() -> None:
+    """It was looked through once for each of its brackets: a list of 100 kB took a minute."""
+    found = head_of(1, ["part", "quantity", "[" * 1_000_000])
+    assert found is not None
+    assert found.columns == {0: "part", 1: "quantity"}
