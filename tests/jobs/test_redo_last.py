@@ -85,7 +85,7 @@ def test_every_stop_of_300_contours_whose_zones_have_moved(tmp_path: Path) -> No
     for upto in range(1, len(old.cuts) + 1):
         already = stopped_plan(old, nest, upto, redo_last=True)
         locked = lock_broken_cut_first(plant, already)
-        request = make_request(package.facts(nest, locked, already), locked)
+        request = make_request(facts_of(nest, locked, already), locked)
         limits = options_for(nest, locked, work=0.01)
         found = searched(request.facts, request.stated, locked, (), limits, moves=False)
         assert found is not None, upto
