@@ -39,7 +39,7 @@ from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Note
 
 from .clipping import Clips
-from .drawing import FAREST_MM, WRONG_UNITS, checked_curve
+from .drawing import FAREST_MM, LIMIT_MM, WRONG_UNITS, checked_curve
 from .dxf_text import is_written, name_of, plain_text
 from .fit_arcs import FLATTEN_MM, fit_curve
 from .layers import Layers, counted
@@ -330,9 +330,12 @@ def _flattened(
     drawn: BSpline | Unclamped | ConstructionEllipse | Path, control: Iterable[Vec3], scale: float
 ) -> Curve | None:
     """Fitted arcs through a curve that DXF draws and no machine can; `control` points bound its extent."""
-    for p in control:  # flattening a curve of astronomic size would never end
+    bounds = list(control)
+    for p in bounds:  # flattening a curve of astronomic size would never end
         if not max(abs(p.x), abs(p.y), abs(p.z)) * scale <= FAREST_MM:
             raise InputError(f"({p.x:g}, {p.y:g}) lies more than 10,000 kilometres from the origin: {WRONG_UNITS}")
+    if max((bounds[0].distance(p) for p in bounds), default=0.0) * scale > LIMIT_MM:  # one so large takes seconds
+        checked_curve([(p.x, p.y) for p in drawn.flattening(LIMIT_MM / scale, 8)], False, scale)
     return fit_curve(np.array([(p.x, p.y) for p in drawn.flattening(FLATTEN_MM / scale, 8)]) * scale)
 
 
