@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -25,9 +26,10 @@ from kerfwise.models.plan.explain import (
 )
 from kerfwise.models.plan.explain.explain import difference
 from kerfwise.models.plan.explain.reasons import Reasons
+from kerfwise.models.plan.make_plan import excuses_by_rule
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import expect_plan_of, profile_change
-from kerfwise.rules.statements import About, Statement
+from kerfwise.rules.statements import EXEMPTION_MM, About, Statement
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import state_rules
 
@@ -138,6 +140,8 @@ class MovePreview:
         What the plan costs more than now with the best entries along the new order; None where it is forbidden.
     looked
         Whether what only geometry finds in a whole order, such as narrow strips, is in the answer.
+    excused
+        The hard rules that do not hold at more places than now; they allow it, at a price that is in `more_mm`.
     """
 
     contours: tuple[str, ...]
@@ -145,6 +149,7 @@ class MovePreview:
     breaks: tuple[About, ...] = ()
     more_mm: float | None = None
     looked: bool = False
+    excused: tuple[str, ...] = ()
 
     @property
     def lawful(self) -> bool:
@@ -200,8 +205,14 @@ class Mover:
         tried = try_order(setting, order, look=look)
         if tried.cost is None:
             return MovePreview(names, place, tried.breaks, None, look), ()
-        strips_mm = self._seen_mm(order) - self._seen_now_mm if look else 0.0
-        return MovePreview(names, place, (), (tried.cost - setting.cost) / UM_PER_MM + strips_mm, look), tried.route
+        more_mm, excused = (tried.cost - setting.cost) / UM_PER_MM, Counter[str]()
+        if more_mm > EXEMPTION_MM / 2:
+            excused = _excuses(setting, tried.route) - _excuses(setting, setting.route)
+        if look:
+            seen = self._seen(order)
+            more_mm += _price_mm(seen) - _price_mm(self._seen_now)
+            excused += _excuses_seen(seen) - _excuses_seen(self._seen_now)
+        return MovePreview(names, place, (), more_mm, look, tuple(sorted(excused))), tried.route
 
     def has_room(self, contours: Collection[str], place: int, given_up: Iterable[str] = ()) -> bool:
         """Whether the hard orders leave the place open once the others may move: enough can come before, and after.
@@ -229,13 +240,26 @@ class Mover:
         return self._without[1]
 
     @cached_property
-    def _seen_now_mm(self) -> float:
-        return self._seen_mm(self._explainer.setting.order)
+    def _seen_now(self) -> tuple[Statement, ...]:
+        return self._seen(self._explainer.setting.order)
 
-    def _seen_mm(self, order: Sequence[int]) -> float:
-        """What an order costs for what only geometry finds in it."""
-        thoughts: Iterable[Statement] = lazy_statements(self._explainer.facts, self._explainer.profile)(order)
-        return sum(thought.weight or 0.0 for thought in thoughts)
+    def _seen(self, order: Sequence[int]) -> tuple[Statement, ...]:
+        """What only geometry finds in an order."""
+        return lazy_statements(self._explainer.facts, self._explainer.profile)(order)
+
+
+def _price_mm(seen: Iterable[Statement]) -> float:
+    return sum(statement.weight or 0.0 for statement in seen)
+
+
+def _excuses_seen(seen: Iterable[Statement]) -> Counter[str]:
+    return Counter(statement.about.rule for statement in seen if statement.weight == EXEMPTION_MM)
+
+
+def _excuses(setting: PlanContext, route: Iterable[int]) -> Counter[str]:
+    """By rule, the excuses of a route (sites)."""
+    candidates = [int(setting.problem.site_candidate[site]) for site in route]
+    return excuses_by_rule(setting.facts, setting.stated, candidates)
 
 
 def _says(about: About, reasons: Iterable[str]) -> bool:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.files import is_file
+from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_named, utf8_text
 from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.questions import OF_CUTTING, OF_LAYERS, Answers, answer_problem, with_answers
@@ -466,9 +466,10 @@ def kept_answers(nest: str | Path, job: Job | None, request: NestRequest, read: 
         return job
     path = Path(request.job) if request.job is not None else Path(nest).with_name(beside_name(nest))
     try:
-        text = path.read_text(encoding="utf-8-sig") if path.exists() else ""
+        data = read_named(path, "the job file", MOST_BYTES_OF_YAML) if is_file(path) else b""
+        text = utf8_text(data, "a job file", path)
         write_files({path: with_kept(text, new, str(path))})
-    except (InputError, OSError, UnicodeDecodeError) as error:
+    except (InputError, OSError) as error:
         tell(f"the answers are not kept: {error}")
         return job
     tell(f"kept in {path}: {', '.join(f'{q}={c}' for q, c in new)}")

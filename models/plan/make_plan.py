@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -355,6 +355,11 @@ def excused_and_used(facts: Facts, stated: Stated, route: Sequence[int]) -> tupl
     for condition, name in used:
         rules[name].add(condition.about.rule)
     return {name: tuple(sorted(of)) for name, of in rules.items()}, len(used)
+
+
+def excuses_by_rule(facts: Facts, stated: Stated, route: Sequence[int]) -> Counter[str]:
+    """Rule id → how many of its statements that weigh EXEMPTION_MM a route breaks; see `excuses`."""
+    return Counter(condition.about.rule for condition, _ in _used(facts, stated, route))
 
 
 def _used(facts: Facts, stated: Stated, route: Sequence[int]) -> Iterator[tuple[Condition, str]]:

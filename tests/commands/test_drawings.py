@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import threading
 from pathlib import Path
+
+import pytest
 
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.encoder.readers.drawings import save_dxf
@@ -39,6 +43,19 @@ def test_an_answer_is_kept_in_the_job_file(tmp_path: Path) -> None:
     assert kerfwise("facts", nest, "-o", out).code == 0
     assert "P1.hole1" in out.read_text()
     assert kerfwise("facts", nest, "-o", out, "--no-job").code == 3
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no such files")
+def test_a_pipe_in_the_place_of_the_job_file_is_not_read_for_answers(tmp_path: Path) -> None:
+    nest, job = save_dxf(tmp_path, framed), tmp_path / "drawing.job.yaml"
+    os.mkfifo(job)
+    fed = threading.Thread(target=job.write_text, args=["quantity: 4\n"], daemon=True)
+    fed.start()
+    answered = kerfwise("facts", nest, "-o", tmp_path / "out.json", "--answer", "frame=part")
+    assert answered.code == 0
+    assert "the answers are not kept: " in answered.err
+    assert "device or a pipe" in answered.err
+    assert fed.is_alive(), "somebody has read the pipe"
 
 
 def test_an_answer_to_no_question_is_said_and_a_wrong_one_is_refused(tmp_path: Path) -> None:

@@ -33,7 +33,6 @@ from kerfwise.postproc.report import draw
 from kerfwise.postproc.report.simple_pictures import reading_picture, thumbnail
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.overrides import lines_of
-from kerfwise.rules.statements import EXEMPTION_MM
 
 from .job_edits import JobText, conflicting_locks, edited, settings_of
 from .plan_request import Answers, PlanRequest, Questions, already_of, enter_nest_folder, job_in, request_inputs
@@ -185,10 +184,10 @@ class Desk:
         gone = self._against(wanted, locks)
         given_up = [lock.because for lock in gone]
         moved, _ = mover.move(contours, place, given_up, look)
-        gives_way = _gives_way(explainer, moved)
+        gives_way = list(moved.excused) if moved.lawful else _gives_way(explainer, moved)
         room = not moved.lawful and mover.has_room(contours, place, given_up)
         return {
-            "how": _how(moved.lawful, _yields(gives_way, moved.more_mm), room),
+            "how": "gives way" if gives_way else "goes" if moved.lawful else "others move" if room else "no",
             "contours": list(moved.contours),
             "place": moved.place,
             "lawful": moved.lawful,
@@ -269,18 +268,6 @@ def _contours_of(nest: Nest, names: Sequence[str]) -> list[str]:
     if not found:
         raise InputError(f"the nest has no {', '.join(repr(escape_text(name)) for name in names)}")
     return list(dict.fromkeys(found))
-
-
-def _yields(gives_way: Sequence[str], more_mm: float | None) -> bool:
-    """Whether hard rules do not hold: to a lock, or by an excuse more."""
-    return bool(gives_way) or round((more_mm or 0.0) / EXEMPTION_MM) > 0
-
-
-def _how(lawful: bool, yields: bool, room: bool) -> str:
-    """What a move comes to, in the words of the page."""
-    if yields:
-        return "gives way"
-    return "goes" if lawful else "others move" if room else "no"
 
 
 def _gives_way(explainer: Explainer, moved: MovePreview) -> list[str]:

@@ -90,7 +90,6 @@ export class Judge {
 /** What a drop would come to, in few words. */
 /** @type {(told: any) => string} */
 function headOf({ how, gives_way }) {
-  if (how === "gives way" && !gives_way.length) return tr("A hard rule gives way at one place more");
   if (how === "gives way") return trn("A rule gives way: {rules}", "Rules give way: {rules}", gives_way.length, { rules: gives_way.join(", ") });
   return how === "goes" ? tr("It goes there") : how === "others move" ? tr("Others will move: it is planned anew around this place") : tr("Will not go there");
 }

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
-from kerfwise.apps.viewer.serve.query_worker import _how, _yields
+from kerfwise.apps.viewer.serve.plan_request import PlanRequest, request_inputs
+from kerfwise.apps.viewer.serve.query_worker import Desk
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
+from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.explainer import Explainer, Mover
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.request import options_for
@@ -123,12 +127,22 @@ def test_what_there_is_not_is_said(names: list[str], place: int, said: str) -> N
         Mover(explainer(ROW)).move(names, place)
 
 
-def test_a_move_that_a_hard_rule_does_not_outlive_is_no_move_that_just_goes() -> None:
+def test_a_move_that_a_hard_rule_does_not_outlive_names_the_rule(tmp_path: Path) -> None:
     """It is lawful, for the rule allows excuses, and dear; it is told in amber, as rules that yield to a lock are."""
-    assert _how(True, _yields([], EXEMPTION_MM + 445.3), False) == "gives way"
-    assert _how(True, _yields([], 445.3), False) == "goes"
-    assert _how(True, _yields([], -EXEMPTION_MM), False) == "goes"
-    assert _how(False, _yields(["level-ahead"], None), True) == "gives way"
-    assert (_how(False, _yields([], None), True), _how(False, _yields([], None), False)) == ("others move", "no")
+    file = tmp_path / "plate.json"
+    file.write_text(json.dumps(make_sheet(1, 16)), encoding="utf-8")
+    wanted = PlanRequest(str(file))
+    given = request_inputs(wanted)
+    plan = plan_nest(given, options_for(given.nest, given.profile, work=0.2)).made.plan
+    desk, last = Desk(), len(plan.cuts)
+    told = {cut.cut.contour: desk.move(wanted, plan.to_json(), [cut.cut.contour], last) for cut in plan.cuts}
+    rigid = {name for name, one in told.items() if one["gives_way"] == ["part-rigidity"]}
+    assert rigid
+    for one in told.values():
+        if one["lawful"]:
+            assert (one["how"], one["gives_way"] != []) == (
+                ("gives way", True) if one["more_mm"] > 1e5 else ("goes", False)
+            )
+    assert "1 more excuse from hard rules" in told[rigid.pop()]["text"]
     assert difference(round((EXEMPTION_MM + 445.3) * 1000)) == "1 more excuse from hard rules, 445.3 mm more"
     assert difference(round(-2000 * EXEMPTION_MM)) == "2 fewer excuses from hard rules, as long"
