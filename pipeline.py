@@ -27,7 +27,7 @@ from kerfwise.jobs.by_engine import PORTFOLIO, Method, solve_by, with_less_work
 from kerfwise.jobs.first_plan import first_plan, plan_at_hand
 from kerfwise.jobs.gantry import completed
 from kerfwise.jobs.inputs import Inputs, Tell, silent
-from kerfwise.jobs.plan_without_zones import is_look_worthwhile, zoned_by
+from kerfwise.jobs.plan_without_zones import is_look_worthwhile, paying_for_crossings, zoned_by
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import Found, NoPlan, Request, expect_no_shared_edges, facts_of, make_request, ways_on
 from kerfwise.jobs.resume import lock_broken_cut_first
@@ -223,6 +223,7 @@ class _Solving:
     method: Method
     progress: Progress | None
     found: Found | None
+    start: tuple[int, ...] = ()
     looked: dict[tuple[int, ...], tuple[Statement, ...]] = field(default_factory=dict)
 
     def solved(self, share: float = 1.0, stated: Stated | None = None, further: tuple[Statement, ...] = ()) -> Solution:
@@ -231,7 +232,7 @@ class _Solving:
         part = replace(self.limits, work=self.limits.work * share, time_s=time_s and time_s * share)
         request = self.request if stated is None else Request(self.request.facts, stated)
         hear = None if self.found is None else partial(self.found, request)
-        return solve_by(self.method, request, self.profile, part, further, self.progress, hear)
+        return solve_by(self.method, request, self.profile, part, further, self.progress, hear, self.start)
 
     def seen(self, route: tuple[int, ...]) -> tuple[Statement, ...]:
         """What geometry finds in the whole order of a route; to look takes long, and is done once."""
@@ -301,11 +302,11 @@ def plan_request(
     elif priced is not None:
         solution = priced
     else:
-        known = _known_plan(solving)
-        if method.first:
-            zoned = known
+        if (known := _known_plan(solving)) is not None:
+            request, zoned = known.asked, known if method.first else None
+            solving = replace(solving, request=request, start=known.solution.route)
         if zoned is None and move_zones and zones_follow(request):
-            zoned = plan_by_rungs(request, profile, whole, ends_s, progress, found=found)
+            zoned = plan_by_rungs(request, profile, whole, ends_s, progress, found=found, start=solving.start)
         if zoned is not None:
             solution = zoned.solution
         elif method.is_portfolio:
@@ -318,7 +319,7 @@ def plan_request(
     if move_zones and zoned is None:
         further, stays = solving.seen(solution.route), plan is not None or priced is not None
         best = better_zones(request, further, profile, solution, whole, ends_s, progress, may_move=not stays)
-    if known is not None and known.solution.objective < best.solution.objective:
+    if known is not None and known.solution.objective < paying_for_crossings(best.asked, best.solution).objective:
         best = replace(known, free=best.free)
     if best.asked is not request:
         solving, plan = replace(solving, request=best.asked, looked={}), None
@@ -334,16 +335,14 @@ def _may_zones_move(request: Request, profile: Profile, limits: SolveOptions, me
 
 
 def _known_plan(solving: _Solving) -> ZonedPlan | None:
-    """The first lawful plan, from a plan at hand or from nothing, where one of the two is asked for."""
+    """The plan at hand under what is asked now, to go on from; or a first plan, along that or from nothing."""
     start, first, request = solving.method.start, solving.method.first, solving.request
-    if start is None and not first:
-        return None
     at_hand = None
     if start is not None:
         at_hand = plan_at_hand(request.facts, solving.profile, solving.limits, start, request, keep=first)
-    if at_hand is None and not first:
-        return None
-    return first_plan(request, solving.profile, solving.limits, at_hand, solving.progress, moves=not first)
+    if first:
+        return first_plan(request, solving.profile, solving.limits, at_hand, solving.progress)
+    return None if at_hand is None else ZonedPlan(at_hand.asked, at_hand.solution, None)
 
 
 def _within(limit: TemperatureLimit, solving: _Solving, began_s: float) -> tuple[Solution, Plan]:

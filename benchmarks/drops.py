@@ -1,12 +1,13 @@
 """How soon a drop in the viewer is answered, on made plates: `python -m kerfwise.benchmarks.drops`.
 
 Usage: python -m kerfwise.benchmarks.drops [--contours 16 41 115 308 1000] [--work 30] [--seed 1] [--at-hand 2]
+       [--into docs/page.md]
 
 A nest is planned with little work (`--at-hand`) and opened in a server of its own; then a contour near the middle of
 the order is dropped three places further on, as the page does it. Printed are seconds by the clock from the drop on:
 until the first lawful plan is there with its program and the verdict, until the last plan that was better, and until
 the end, with the travel of each and what is proven. Kernels are compiled beforehand; what a row takes the first time
-is not counted.
+is not counted. With `--into` the rows are set into that page, too.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from typing import Any
 from kerfwise.apps.viewer.serve.nest_folder import Folder
 from kerfwise.apps.viewer.serve.server import Server
 from kerfwise.apps.viewer.serve.session import Alternative, Session
+from kerfwise.benchmarks.tables import put_row
 from kerfwise.examples.gen_sheet import make_sheet
 
 HEAD = "| contours | first plan, s | better plans | last of them, s | end, s | first, m | last, m | end, m | proven |"
@@ -107,10 +109,11 @@ def main() -> None:
     arguments.add_argument("--work", type=float, default=30.0)
     arguments.add_argument("--seed", type=int, default=1)
     arguments.add_argument("--at-hand", type=float, default=2.0, help="work for the plan that the drop is made in")
+    arguments.add_argument("--into", type=Path, help="the page whose rows are renewed")
     given = arguments.parse_args()
     print(f"{HEAD}\n|{'---:|' * 9}")
     for contours in given.contours:
-        print(asyncio.run(row(contours, given.work, given.seed, given.at_hand)), flush=True)
+        put_row(asyncio.run(row(contours, given.work, given.seed, given.at_hand)), HEAD, given.into)
 
 
 if __name__ == "__main__":

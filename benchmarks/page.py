@@ -1,21 +1,22 @@
 """How fast the page is in the browser: frames while the view moves and at 64 times, first drawing, memory, file.
 
-Usage: python -m kerfwise.benchmarks.page [CONTOURS ...]
+Usage: python -m kerfwise.benchmarks.page [CONTOURS …] [--into docs/page.md]
 
-Prints the table of docs/page.md. It needs Chromium and Playwright. The nests are those of `examples/gen_sheet.py`, with
-an order from left to right that nobody has planned.
+Prints the table of docs/page.md, and sets its rows into that page with `--into`. It needs Chromium and Playwright. The
+nests are those of `examples/gen_sheet.py`, with an order from left to right that nobody has planned.
 """
 
 from __future__ import annotations
 
+import argparse
 import math
 import statistics
-import sys
 import tempfile
 from pathlib import Path
 
 from playwright.sync_api import Browser, Page
 
+from kerfwise.benchmarks.tables import put_row
 from kerfwise.encoder.cut import Cut
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
@@ -24,6 +25,10 @@ from kerfwise.models.plan.plan import Plan, PlannedCut, SolveReport, Totals
 from kerfwise.postproc.report import draw
 from kerfwise.tests.tools.browser import launched
 
+HEAD = (
+    "| contours | file, MB | first drawing, ms | moved: a frame, ms | slowest of 20, ms "
+    "| played at 64 ×: a frame, ms | slowest of 20, ms | memory, MB |"
+)
 SIZES = (16, 115, 308, 1000, 5000, 10_000)
 FRAMES = 150
 _MOVES = """frames => new Promise(done => {
@@ -56,17 +61,19 @@ _PLAYS = """frames => new Promise(done => {
 _SHARP = "document.querySelector('#stages canvas').dataset.sharp === 'true'"
 
 
-def main(sizes: list[int]) -> None:
-    """Print a row a size."""
-    print("| contours | file, MB | first drawing, ms | moved: a frame, ms | slowest of 20, ms "
-          "| played at 64 ×: a frame, ms | slowest of 20, ms | memory, MB |")  # fmt: skip
-    print("|---:|---:|---:|---:|---:|---:|---:|---:|")
+def main() -> None:
+    """Read the command line, print a row a size."""
+    arguments = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
+    arguments.add_argument("contours", type=int, nargs="*", default=SIZES)
+    arguments.add_argument("--into", type=Path, help="the page whose rows are renewed")
+    given = arguments.parse_args()
+    print(f"{HEAD}\n|{'---:|' * 8}")
     with tempfile.TemporaryDirectory() as folder, launched() as browser:
-        for count in sizes or list(SIZES):
+        for count in given.contours:
             nest = nest_of(count)
             file = Path(folder) / f"{count}.html"
             file.write_bytes(draw(nest, plan_of(nest), ".html"))
-            print(_row(browser, file, len(nest.contours)), flush=True)
+            put_row(_row(browser, file, len(nest.contours)), HEAD, given.into)
 
 
 def _row(browser: Browser, file: Path, contours: int) -> str:
@@ -125,4 +132,4 @@ def plan_of(nest: Nest) -> Plan:
 
 
 if __name__ == "__main__":
-    main([int(word) for word in sys.argv[1:]])
+    main()

@@ -154,13 +154,15 @@ def plan_by_rungs(
     progress: Progress | None = None,
     solution: Solution | None = None,
     found: Found | None = None,
+    start: Sequence[int] = (),
 ) -> ZonedPlan | None:
     """The same where geometry alone has made the zones, with a plan by these zones or without one.
 
-    A plan without zones is looked for from nothing, by other random numbers and about three times as long each time;
-    of large nests, where that goes region by region, from where it is. Wherever it has become better, or nothing is
-    proven, plans by zones along it are tried. All of this is the same under a larger limit, and so a larger limit finds
-    no dearer plan. `found` is told each better plan: one without zones as one by a single zone.
+    A plan without zones is looked for from the route `start`, or from nothing; then from nothing, by other random
+    numbers and about three times as long each time; of large nests, where that goes region by region, from where it is.
+    Wherever it has become better, or nothing is proven, plans by zones along it are tried. All of this is the same
+    under a larger limit, and so a larger limit finds no dearer plan. `found` is told each better plan: one without
+    zones as one by a single zone.
 
     Returns
     -------
@@ -195,7 +197,8 @@ def plan_by_rungs(
         if unzoned is None:
             break
         if (part := within(min(share * rung, max(LEAST, A_CONTOUR * contours)))) is not None:
-            start = () if free is None or contours <= MOST_MOVES else free.solution.route
+            if free is not None:
+                start = () if contours <= MOST_MOVES else free.solution.route
             part = replace(part, seed=part.seed + number * SEEDS_APART)
             newer = searched(one, unzoned, profile, start, part, progress, found=hear)
             if newer is not None:

@@ -107,8 +107,11 @@ def solve_by(
     further: tuple[Statement, ...] = (),
     progress: Progress | None = None,
     found: Callable[[Solution], None] | None = None,
+    start: Sequence[int] = (),
 ) -> Solution:
     """What the engine makes of the statements and further ones; MiniZinc and plain strategies know no further ones.
+
+    The portfolio goes on from the route `start` where that is lawful.
 
     Raises RulesConflict if no lawful plan exists, or none was found.
     """
@@ -133,7 +136,7 @@ def solve_by(
         began_s = running_s()
         look_s = look_takes_s(facts, profile)
         limits = replace(limits, time_s=max(limits.time_s - (running_s() - began_s), limits.time_s / 2))
-    return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s, found=found)
+    return solve(facts, (*stated.statements, *further), limits, progress, refine, look_s, start, found)
 
 
 def by_all_rules(

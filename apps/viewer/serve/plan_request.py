@@ -68,8 +68,10 @@ class PlanRequest:
         ]
         return _sha256(repr(stands).encode())
 
-    def command(self, options: str = "") -> str:
+    def command(self, options: str = "", on: bool = False) -> str:
         """The command line that makes the same files, once the job file is saved.
+
+        `on` for a plan that goes on from another, which is saved, too.
 
         Examples
         --------
@@ -80,8 +82,10 @@ class PlanRequest:
         >>> PlanRequest("/nests/-o.dxf").command()
         'kerfwise solve ./-o.dxf'
         """
-        name, before = map(_on_command_line, (Path(self.nest).name, earlier_plan_name(self.nest)))
+        names = Path(self.nest).name, earlier_plan_name(self.nest), start_plan_name(self.nest)
+        name, before, start = map(_on_command_line, names)
         again = f" --lock-from {before} --upto {self.upto}" if self.old_plan else ""
+        again += f" --start {start}" if on else ""
         return f"kerfwise solve {name}{' --repair' if self.repair else ''}{again}{options}"
 
 
@@ -99,6 +103,11 @@ def earlier_plan_name(nest: str) -> str:
     'plate.before.plan.json'
     """
     return f"{Path(nest).stem}.before.plan.json"
+
+
+def start_plan_name(nest: str) -> str:
+    """The name of the plan that is kept beside a nest because its plan goes on from that."""
+    return f"{Path(nest).stem}.start.plan.json"
 
 
 def job_in(wanted: PlanRequest) -> Job | None:

@@ -12,6 +12,7 @@ from typing import Any
 from kerfwise.apps.viewer.page.page_data import page_data
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.escape import escape_lines, escape_text
+from kerfwise.jobs.by_engine import PORTFOLIO
 from kerfwise.jobs.display import summary_lines
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.nest_job.job import Job
@@ -29,7 +30,16 @@ from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import About
 
 from .job_edits import edited
-from .plan_request import Answers, PlanRequest, Questions, Superseded, already_of, earlier_plan_name, request_inputs
+from .plan_request import (
+    Answers,
+    PlanRequest,
+    Questions,
+    Superseded,
+    already_of,
+    earlier_plan_name,
+    request_inputs,
+    start_plan_name,
+)
 from .plans_shown import MOST_PLANS, PlansShown, RecentFacts, ShownGap, phase_of, told_while_compiling
 from .session import Packed
 
@@ -69,7 +79,8 @@ class Planner:
         """The plan with its program, or the conflict; better and better plans are told meanwhile, and the phase.
 
         Where less than the usual work finds neither a plan nor a contradiction, more is taken: `work` says how much.
-        `start` is the plan at hand, as JSON: the first plan keeps to it as far as what is wanted lets it.
+        `start` is the plan at hand, as JSON: the first plan keeps to it as far as what is wanted lets it, and the
+        engines go on from the best plan that is shown so.
         """
         self._asking.begin()
         with told_while_compiling(self._asking):
@@ -94,14 +105,18 @@ class Planner:
         listener = Listener(self._reached(shown.gap))
         if not relax:  # there the engines' first plan is the first: what gives way takes most of the time
             shown.first(None if start is None else self._known(start, wanted), self._facts)
-        found = None if shown.judged_slowly else shown.found
+        found, on = None if shown.judged_slowly else shown.found, ""
+        if start is not None and shown.best is not None and not shown.unpriced:
+            on = shown.best.to_json()  # read again, as the command line reads it
+        method = PORTFOLIO._replace(start=plan_in(on)) if on else PORTFOLIO
         while True:
             limits = options_for(inputs.nest, inputs.profile, work=work, memory_gb=memory_gb)
             try:
                 done = plan_nest(
                     inputs,
                     limits,
-                    watchers=Watchers(listener, notes.append, found, self._finishing),
+                    method,
+                    Watchers(listener, notes.append, found, self._finishing),
                     already=already,
                     relax=relax,
                     facts=shown.facts,
@@ -113,8 +128,10 @@ class Planner:
                 return {"conflict": conflict_data(no_plan, inputs.job)}
             except RulesConflict as error:
                 return {"conflict": {"text": str(error), "clash": [], "relax": None, "notes": []}}
-            result = {"notes": [*map(escape_text, notes)], "work": work, "memory_gb": memory_gb}
-            return self._planned(wanted, inputs, done.made, listener.stopped) | result
+            planned = self._planned(wanted, inputs, done.made, listener.stopped)
+            if on:
+                planned["files"][start_plan_name(wanted.nest)] = Packed.of(on)
+            return planned | {"notes": [*map(escape_text, notes)], "work": work, "memory_gb": memory_gb}
 
     def _known(self, text: str, wanted: PlanRequest) -> Plan:
         """A plan by its text: one that was just made is not read."""

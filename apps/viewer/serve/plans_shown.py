@@ -110,7 +110,8 @@ class PlansShown:
     """Shows the first lawful plan, and then those that are better, each with its program and the verdict on both.
 
     The first plan of many contours is shown once it is lawful by itself; its program is written and checked then.
-    `facts` are those of the nest, where they were asked for a first plan, and no place is locked.
+    `facts` are those of the nest, where they were asked for a first plan, and no place is locked. `best` is the last
+    plan that was shown.
 
     Parameters
     ----------
@@ -135,6 +136,7 @@ class PlansShown:
         self._best_mm, self._next_s = math.inf, 0.0
         self.gap = ShownGap()
         self.facts: Facts | None = None
+        self.best: Plan | None = None
 
     @property
     def judged_slowly(self) -> bool:
@@ -201,7 +203,7 @@ class PlansShown:
         if bare and self._asking.go_on():
             verified = on_the_way.verified()
             self._asking.tell(checked=self._kept(verified) | more, phase="improving")
-        now_s = time.monotonic()
+        self.best, now_s = verified.plan, time.monotonic()
         self._next_s = now_s + max(SHOWN_EACH_S, SHOWN_SHARE * (now_s - began_s))
         return verified.verdict.ok
 

@@ -401,13 +401,12 @@ def save(session: Session, folder: Folder, profile_sha256: str, picture: str) ->
     if json.loads(current.plan)["profile"].get("sha256") != profile_sha256:
         raise InputError("the profile has changed on disk since this plan was made: plan again")
     files: dict[Path, str | bytes] = {nest.with_name(name): kept.text() for name, kept in current.files.items()}
-    program, plan, drawn = (nest.with_name(name) for name in output_names(nest))
+    program, _, drawn = (nest.with_name(name) for name in output_names(nest))
     files[drawn] = picture
-    expect_own(nest, program, plan, drawn)
     if wanted.old_plan is not None:
-        before = nest.with_name(earlier_plan_name(wanted.nest))
-        expect_own(nest, program, before, drawn)
-        files[before] = wanted.old_plan
+        files[nest.with_name(earlier_plan_name(wanted.nest))] = wanted.old_plan
+    for plan in [path for path in files if path.name.endswith(".plan.json")]:
+        expect_own(nest, program, plan, drawn)
     expect_outputs(files, (nest, job))
     folder.expect_inside((*files, job))
     if wanted.job_text is not None and wanted.job_text != session.on_disk:

@@ -18,7 +18,7 @@ from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 
 from .job_edits import JobText
 from .news import News
-from .plan_request import PlanRequest
+from .plan_request import PlanRequest, start_plan_name
 
 # A session: one nest, what is wanted of it, and the plans that were made. All tabs that show the nest share it.
 
@@ -330,7 +330,7 @@ class Alternative:
     @property
     def command(self) -> str:
         """The command line that makes the same files, once its job file is saved."""
-        return self.wanted.command(self.options)
+        return self.wanted.command(self.options, start_plan_name(self.wanted.nest) in self.files)
 
     def as_json(self, locks: tuple[str, ...], sha256: str) -> dict[str, Any]:
         """What a page shows of it in the list of plans; `sha256` is that of the drawing as it is now."""

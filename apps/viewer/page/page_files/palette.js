@@ -13,10 +13,10 @@ export const PAPER_COLOURS = new Set(["white", "black", "#ffffff", "#000000"]);
 
 /** @returns {Palette} */
 export function palette() {
-  const style = getComputedStyle(document.documentElement);
-  /** @type {Record<string, string>} */
-  const ink = {};
-  for (const name of NAMES) ink[name] = style.getPropertyValue(`--${name}`).trim() || "#888";
-  const zones = Array.from({ length: 8 }, (_, k) => style.getPropertyValue(`--zone${k}`).trim() || ink.part);
+  const probe = document.createElement("i"), style = getComputedStyle(probe);
+  document.body.append(probe);
+  const colour = (/** @type {string} */ name) => { probe.style.color = `var(--${name})`; return style.color; };
+  const ink = Object.fromEntries(NAMES.map(name => [name, colour(name)])), zones = Array.from({ length: 8 }, (_, k) => colour(`zone${k}`));
+  probe.remove();
   return { ink, zones };
 }

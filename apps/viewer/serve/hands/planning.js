@@ -93,8 +93,8 @@ const PHASES = {
   finishing: () => tr("checking the plan"),
 };
 
-/** @type {(solving: any, work: Work) => string} */
-function reachedText({ waits, ending, phase, gap, plan, gained_mm }, { planner, state }) {
+/** @type {(solving: any, work: {planner: string, state: any}) => string} */
+export function reachedText({ waits, ending, phase, gap, plan, gained_mm }, { planner, state }) {
   if (waits && planner) return `${tr("waits: {planner} is being planned", { planner })} …`;
   const shown = state.alternatives.find((/** @type {any} */ one) => one.number === plan);
   const told = [

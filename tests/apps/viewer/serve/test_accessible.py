@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import product
 
 import pytest
 
@@ -14,6 +15,14 @@ from kerfwise.tests.tools.axe import findings
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
+CUT_OFF = """['verdict', 'proof'].filter(id => {
+  const chip = document.getElementById(id), { left, right, top, bottom } = chip.getBoundingClientRect();
+  const at = share => document.elementFromPoint(left + share * (right - left), (top + bottom) / 2);
+  const mine = [0.05, 0.5, 0.95].every(share => at(share) === chip);
+  return !mine || left < 0 || top < 0 || right > innerWidth || chip.scrollWidth > chip.clientWidth + 1;
+})"""
+"""Those of the two chips that are not seen whole."""
+PRIMARY = "[...document.querySelectorAll('button.primary')].filter(one => one.offsetParent).map(one => one.id)"
 SCHEMES = pytest.mark.parametrize("scheme", few(["light", "dark"]))
 
 
@@ -58,6 +67,33 @@ def test_axe_finds_nothing_while_it_is_planned(look: Look, planned: Tab, served:
         at.page.wait_for_selector("#hands-cancel:visible")
         assert findings(at.page) == []
         at.page.click("#hands-cancel")
+
+
+@pytest.mark.parametrize("wide", few([390, 1024, 1400]))
+def test_verdict_and_proof_are_whole_and_one_action_stands_out(look: Look, planned: Tab, wide: int) -> None:
+    at = look(planned, wide)
+    for kind, status, share in product(("kept", "kept but for", "broken"), ("optimal", "feasible"), (None, 0.123)):
+        figures = {"status": status, "gap": 0.123, "light_gap": share}
+        at.ask(
+            "app.judged({ ...app.side, state: { ...app.side.state, kind: given[0], count: 12 },"
+            " figures: { ...app.side.figures, ...given[1] } })",
+            kind,
+            figures,
+        )
+        assert at.ask(CUT_OFF) == [], (kind, figures)
+    at.page.reload()
+    at.page.wait_for_selector("[data-ready=yes]", state="attached")
+    assert at.ask(PRIMARY) == ["hands-save"]
+    planned.edit({"lock": "C.outer first"})
+    at.page.wait_for_selector("#hands-plan.primary")
+    assert at.ask(PRIMARY) == ["hands-plan"]
+    assert at.ask(CUT_OFF) == []
+    at.page.click("#hands-undo")
+    at.page.wait_for_selector("#hands-undo:disabled")
+    looks = (
+        "(({ borderStyle, cursor }) => [borderStyle, cursor])(getComputedStyle(document.getElementById('hands-undo')))"
+    )
+    assert at.ask(looks) == ["dashed", "not-allowed"]
 
 
 @pytest.mark.parametrize("wide", few([1400, 1024, 390]))

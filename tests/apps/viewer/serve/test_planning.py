@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import socket
+import subprocess
+import sys
 import threading
 from pathlib import Path
 from types import SimpleNamespace
@@ -102,6 +105,34 @@ def test_a_killed_process_is_started_again_and_nothing_is_lost(opened: Open, pla
     assert tab.get("move", contours="B", place=3)["lawful"] is True
     state = tab.solved()
     assert (state["problem"], len(state["alternatives"]), state["locked"]) == ("", 2, ["C.outer last"])
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="Windows has no groups of processes")
+@pytest.mark.parametrize("how", ["ended by the server", "the server is killed"])
+def test_solvers_of_others_end_with_the_process_that_has_begun_them(how: str) -> None:
+    """They are of its group: a solver of MiniZinc that goes on by itself would take a gigabyte more."""
+    script = "import sys, time; from kerfwise.apps.viewer.serve.worker import Worker; worker = Worker('desk')"
+    script = f"if __name__ == '__main__':\n    {script}; worker.ask('ready'); print(worker.pid, flush=True)\n"
+    wait = "    sys.stdin.read(1); worker.kill()\n    time.sleep(60)\n"
+    server = subprocess.Popen(
+        [sys.executable, "-c", script + wait], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert server.stdin is not None
+    assert server.stdout is not None
+    group = int(server.stdout.readline())
+    solver = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(120)"], process_group=group)
+    try:
+        assert solver.poll() is None
+        if how == "ended by the server":
+            server.stdin.write("x")
+            server.stdin.flush()
+        else:
+            server.kill()
+        assert solver.wait(30) == -signal.SIGKILL
+    finally:
+        server.kill()
+        solver.kill()
+        server.communicate()
 
 
 def test_planning_goes_on_when_the_browser_is_closed(opened: Open, served: Served) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import httpx
 import pytest
 
+from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Served, command_line, saved_files
 
 pytestmark = pytest.mark.slow
@@ -33,6 +35,28 @@ def test_what_is_saved_is_what_the_command_line_writes(opened: Open, job: str | 
     command_line(tab.nest.parent, told["alternatives"][0]["command"])
     again = {name: tab.nest.with_name(f"{tab.nest.stem}.{name}").read_bytes() for name in saved}
     assert again == saved
+
+
+def test_a_plan_that_goes_on_from_the_one_before_is_made_again_from_it(opened: Open) -> None:
+    """After an edit the engines begin where the plan at hand leads: no plan comes out dearer than what was shown."""
+    tab = opened(json.dumps(make_sheet(1, 12)), "plate.json")
+    tab.solved(work=0.2)
+    page = tab.get("page")
+    order = [page["nest"]["contours"][cut["contour"]]["id"] for cut in page["sides"][0]["cuts"]]
+    moves = (tab.get("move", contours=name, place=place) for place, name in enumerate(order[:-1], 2))
+    tab.edit(*({"lock": line} for line in next(one for one in moves if one["lawful"])["locked"]))
+    told = tab.solved(work=0.2)
+    shown = [one for one in told["alternatives"] if one["run"] == 2]
+    assert shown[-1]["stage"] == "final"
+    costs = [one["figures"]["objective_mm"] for one in shown]
+    assert costs[-1] == min(costs)
+    assert shown[-1]["command"].endswith(" --start plate.start.plan.json --work 0.2")
+    saved = saved_files(tab)
+    assert json.loads(saved["start.plan.json"])["nest"]["file"] == "plate.json"
+    for name in ("nc", "plan.json"):
+        tab.nest.with_name(f"plate.{name}").unlink()
+    command_line(tab.nest.parent, shown[-1]["command"])
+    assert {name: tab.nest.with_name(f"plate.{name}").read_bytes() for name in saved} == saved
 
 
 def test_a_plan_that_was_made_without_a_job_file_is_made_again_once_one_is_saved(opened: Open) -> None:

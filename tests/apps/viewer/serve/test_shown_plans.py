@@ -42,6 +42,21 @@ def test_no_plan_takes_the_place_of_a_cheaper_one(costs_mm: tuple[float, ...], s
     assert session.shown == shown
 
 
+def test_plans_on_the_way_go_first_and_one_that_somebody_keeps_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kerfwise.apps.viewer.serve.session.MOST_ALTERNATIVES", 4)
+    wanted = PlanRequest("a.json")
+    session = Session("key", "a.json", wanted, {"sha256": "s"}, News())
+    for run in range(1, 5):
+        session.following = run
+        for cost_mm, stage in ((100, "first"), (90, "better"), (80, "final")):
+            session.add(came(cost_mm - run, stage), wanted, relax=False, run=run)
+        if run == 1:
+            session.keep(1, True)
+    assert [(one.run, one.stage) for one in session.alternatives] == [
+        (1, "first"), (2, "final"), (3, "final"), (4, "final"),
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize(("user", "warned"), [(0, True), (1000, False)])
 def test_whoever_serves_as_root_is_warned(monkeypatch: pytest.MonkeyPatch, user: int, warned: bool) -> None:
     monkeypatch.setattr("os.geteuid", lambda: user, raising=False)

@@ -11,7 +11,8 @@ import { Outlines } from "../page_files/outlines.js";
 import { placeOf, scrolledBy } from "../page_files/places.js";
 import { gapBetween, gapToEdge, inLine, PartChanges, placed } from "../page_files/poses.js";
 import { paintNumbers } from "../page_files/numbers.js";
-import { joinOf } from "../page_files/route.js";
+import { reachedText } from "../page_files/planning.js";
+import { joinOf, paintRoute, paintStarts } from "../page_files/route.js";
 import { noticeNear, noticesOf } from "../page_files/notices.js";
 import { notHeld } from "../page_files/unkept.js";
 import { setLanguage, tr, trn } from "../page_files/say.js";
@@ -435,6 +436,44 @@ test("what the server says in English comes in the reader's language, with its n
   assert.equal(inWords("12.5 mm more"), "12,5 mm mehr");
   for (const text of ["P.1 (x) said: so", "", "12.5 mm moreover"]) assert.equal(inWords(text), text);
   setLanguage("en", {});
+});
+
+test("the dense are thinned out: near by every pierce and way is drawn, from afar some", () => {
+  const { Path2D: before } = globalThis;
+  const paths = [];
+  globalThis.Path2D = class { constructor() { this.arcs = 0; this.lines = 0; paths.push(this); } moveTo() {} lineTo() { this.lines++; } arc() { this.arcs++; } };
+  const context = { setLineDash: () => {}, stroke: () => {}, fill: () => {}, beginPath: () => {}, moveTo: () => {}, lineTo: () => {} };
+  const cuts = Array.from({ length: 400 }, (_, k) => {
+    const x = 40 * (k % 20), y = 40 * Math.floor(k / 20);
+    return { ...CUT, contour: k, entry: [x + 4, y], path: [x, y, 0, x + 4, y, 0, x + 20, y, 0, x + 20, y + 34, 0] };
+  });
+  const side = { ...SIDE, cuts }, palette = { ink: {}, zones: [] };
+  const scenery = { side, cuts, cutOf: new Map(cuts.map((_, k) => [k, k])), way: k => wayOf(cuts[k]), outlines: { bounds: cuts.map(({ entry: [x, y] }) => [x, y, x + 30, y + 34]) } };
+  const counted = scale => {
+    paths.length = 0;
+    const camera = Object.assign(new Camera(), { scale, x: 1000, y: 9000 });
+    for (const _ of paintStarts(context, camera, palette, scenery, cuts.map((_, k) => k)));
+    const [, pierces, ways] = paths.map(({ arcs, lines }) => arcs + lines);
+    for (const _ of paintRoute(context, camera, palette, side, 0, { wide: 1e6, high: 1e6 }));
+    return { pierces, ways, arrows: paths.slice(3).reduce((sum, { lines }) => sum + lines / 2, 0) };
+  };
+  const [near, far] = [counted(3), counted(0.1)];
+  globalThis.Path2D = before;
+  assert.equal(near.pierces, 400);
+  assert.ok(near.ways >= 400 && near.arrows > 300, JSON.stringify(near));
+  assert.ok(far.pierces > 10 && far.pierces < 100, `${far.pierces} pierces`);
+  assert.equal(far.ways, 0);
+  assert.ok(far.arrows < 20, `${far.arrows} arrows`);
+});
+
+test("progress is told in a planner's words", () => {
+  const told = (solving, work = {}) => reachedText({ waits: false, ending: "", gap: null, plan: null, gained_mm: 0, ...solving }, { planner: "a.dxf", state: { alternatives: [{ number: 1, stage: "first" }, { number: 2, stage: "better" }] }, ...work });
+  assert.equal(told({ phase: "getting ready" }), "getting ready the first time (some 20 s) …");
+  assert.equal(told({ phase: "first plan" }), "looking for a first plan …");
+  assert.equal(told({ phase: "improving", plan: 1 }), "first plan; looking for a better plan …");
+  assert.equal(told({ phase: "proving", plan: 2, gained_mm: 412, gap: 0.012 }), "better by 0.4 m; proving; at most 1.2 % from the best …");
+  assert.equal(told({ phase: "proving", ending: "soon", plan: 2, gained_mm: 412 }), "better by 0.4 m; ending …");
+  assert.equal(told({ waits: true, phase: "waits" }), "waits: a.dxf is being planned …");
 });
 
 test("the lead of a cut ends half a kerf from its entry", () => {
