@@ -107,7 +107,7 @@ export function reachedText({ waits, ending, phase, gap, plan, gained_mm }, { pl
 
 /** How long it has taken; the clock runs on between the news. */
 /** @type {(solving: any) => string} */
-function clockOf(solving) {
+export function clockOf(solving) {
   solving.told_ms ??= performance.now();
   return `${Math.floor(solving.elapsed_s + (performance.now() - solving.told_ms) / 1000)} s`;
 }

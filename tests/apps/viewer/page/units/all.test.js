@@ -11,7 +11,7 @@ import { Outlines } from "../page_files/outlines.js";
 import { placeOf, scrolledBy } from "../page_files/places.js";
 import { gapBetween, gapToEdge, inLine, PartChanges, placed } from "../page_files/poses.js";
 import { paintNumbers } from "../page_files/numbers.js";
-import { reachedText } from "../page_files/planning.js";
+import { clockOf, reachedText } from "../page_files/planning.js";
 import { joinOf, paintRoute, paintStarts } from "../page_files/route.js";
 import { noticeNear, noticesOf } from "../page_files/notices.js";
 import { notHeld } from "../page_files/unkept.js";
@@ -464,6 +464,15 @@ test("the dense are thinned out: near by every pierce and way is drawn, from afa
   assert.ok(far.pierces > 10 && far.pierces < 100, `${far.pierces} pierces`);
   assert.equal(far.ways, 0);
   assert.ok(far.arrows < 20, `${far.arrows} arrows`);
+});
+
+test("the clock of a planning runs on between the news", context => {
+  let now_ms = 5000;
+  context.mock.method(performance, "now", () => now_ms);
+  const solving = { elapsed_s: 3.4 };
+  assert.equal(clockOf(solving), "3 s");
+  now_ms += 2700;
+  assert.equal(clockOf(solving), "6 s");
 });
 
 test("progress is told in a planner's words", () => {
