@@ -303,8 +303,8 @@ def plan_request(
         solution = priced
     else:
         if (known := _known_plan(solving)) is not None:
-            request, zoned = known.asked, known if method.first else None
-            solving = replace(solving, request=request, start=known.solution.route)
+            zoned = known if method.first else None
+            solving = replace(solving, start=known.solution.route)
         if zoned is None and move_zones and zones_follow(request):
             zoned = plan_by_rungs(request, profile, whole, ends_s, progress, found=found, start=solving.start)
         if zoned is not None:
