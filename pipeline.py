@@ -38,7 +38,7 @@ from kerfwise.models.engines.tuning import LARGE_NEST as FEW
 from kerfwise.models.engines.tuning import UNZONED_SHARE as SHARE
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.explain.context import solved_context
-from kerfwise.models.plan.explain.reasons import with_reasons
+from kerfwise.models.plan.explain.reasons import beside_limit, with_reasons
 from kerfwise.models.plan.make_plan import make_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
@@ -388,12 +388,16 @@ def plan_of(
     reasons: bool = True,
     at_once: bool = False,
 ) -> Plan:
-    """The plan of a solution, timed, with what was `seen` in its order; without `reasons` in a tenth of the time."""
+    """The plan of a solution, timed, with what was `seen` in its order; without `reasons` in a tenth of the time.
+
+    Reasons take no more than a small part of a limit in seconds.
+    """
     facts = request.facts
     stated = replace(request.stated, statements=(*request.stated.statements, *seen))
     plan = make_plan(facts, profile, stated, solution, engine, limits.seed)
     if reasons:
-        plan = with_reasons(plan, solved_context(facts, profile, stated, solution), at_once=at_once)
+        going = (lambda: False) if at_once else beside_limit(limits.time_s)
+        plan = with_reasons(plan, solved_context(facts, profile, stated, solution), going)
     return completed(plan, facts, profile, stated, solution, limits)
 
 

@@ -34,7 +34,7 @@ from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.engines.tuning import CROWD, FEWER_MOVES, MANY_MOVES
+from kerfwise.models.engines.tuning import CROWD, MANY_MOVES, MOVES_KEPT
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.moves import MovePrices
@@ -287,7 +287,7 @@ def main() -> None:
         sites=MOST_SITES,
         crowd=CROWD,
         many=MANY_MOVES,
-        fewer=FEWER_MOVES,
+        fewer=round(MOVES_KEPT * MANY_MOVES),
         kerfwise=kerfwise.__version__,
         python=platform.python_version(),
         system=f"{platform.system()} {platform.machine()}, {multiprocessing.cpu_count()} cores",

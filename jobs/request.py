@@ -325,14 +325,14 @@ def _requested(facts: Facts, profile: Profile, relax: bool, limits: SolveOptions
     zoning = frozenset(name for name, rule in RULES.items() if rule.minds_zones)
     if relax:
         from kerfwise.models.engines.deadline import Deadline
-        from kerfwise.models.plan.conflict import state_relaxed
+        from kerfwise.models.plan.conflict import state_relaxed, without_cycles
         from kerfwise.models.plan.plan import RELAXED
 
         deadline = None
         if limits is not None:
             deadline = Deadline.of(replace(limits, time_s=limits.time_s and RELAX * limits.time_s))
-        if len(set(facts.zone.tolist())) > 1:  # zones yield before anything is relaxed
-            zone = zones_that_yield(facts, every_statement(facts, profile)[0], zoning)
+        if len(set(facts.zone.tolist())) > 1:  # zones yield before anything is relaxed, and after what gives way
+            zone = zones_that_yield(facts, without_cycles(facts, profile, every_statement(facts, profile)[0]), zoning)
             facts = facts if zone is None else replace(facts, zone=zone)
         stated = state_relaxed(facts, profile, deadline=deadline)
         left_out = (DroppedStatement(order, f"{RELAXED}{order.about.sentence}") for order in loose)

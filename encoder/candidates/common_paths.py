@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-import shapely
 
 from kerfwise.encoder.cut import Direction, Span
+from kerfwise.encoder.geometry.concavity import concavity_pairs
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import tolerance_mm
@@ -22,8 +22,6 @@ from .common_edges import CommonEdges, Junction, Stretches, common_edges, rounds
 
 _MOST_ORDERS = 4000
 """So many sets of parts that are out are tried, to see whether a group with common edges can be cut at all."""
-_FLAT = 1e-3
-"""A contour whose hull has no more than so much more area has no concavity that a part sits in."""
 _MOST_STATES = 64
 """Sets of neighbours that are out for which a contour has ways, at the most: a rectangle among four has 12."""
 
@@ -103,15 +101,11 @@ def _cut_once(
 
 
 def _in_mouths(nest: Nest, numbers: Sequence[int]) -> dict[int, frozenset[int]]:
-    """Hollow contours among these, and those that sit in the concavity of each: with their centroids in its hull."""
-    outlines = np.array([nest.contours[k].polygon for k in numbers], dtype=object)
-    hulls, middles = shapely.convex_hull(outlines), shapely.centroid(outlines)
-    hollow = np.flatnonzero(shapely.area(hulls) > shapely.area(outlines) * (1 + _FLAT))
-    which, inside = shapely.STRtree(middles).query(hulls[hollow], "contains")
-    outer = hollow[which]
-    sits = (outer != inside) & ~shapely.intersects(outlines[outer], middles[inside])
+    """Hollow contours among these, and those that sit in the concavity of each."""
+    contours = [nest.contours[k] for k in numbers]
+    line, polygon = (np.array(of, dtype=object) for of in ([c.line for c in contours], [c.polygon for c in contours]))
     found: dict[int, set[int]] = {}
-    for i, j in zip(outer[sits].tolist(), inside[sits].tolist(), strict=True):
+    for j, i in concavity_pairs(line, polygon).tolist():
         found.setdefault(numbers[i], set()).add(numbers[j])
     return {k: frozenset(before) for k, before in found.items()}
 

@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.cut import Side
 from kerfwise.encoder.geometry.segment import Box
+from kerfwise.encoder.geometry.tolerances import ROUNDING_MM as ROUNDING_MM
 from kerfwise.encoder.nest import Nest
 
 Geometries = NDArray[Any]
-ROUNDING_MM = 1e-6
-"""Lengths that differ by less are equal: no fact may hang on the last bit of a coordinate."""
 SAME_SHARE = 1e-6
 """Amounts that differ by less than this share of the larger one are equal: where a drawing lies must not tell."""
 
@@ -99,14 +98,6 @@ def outlines_of(nest: Nest) -> Outlines:
         chord_end=end,
         chord_contour=of,
     )
-
-
-def well_inside(outlines: Outlines, contour: Ints, at: Floats) -> Bools:
-    """Which of the points (k, 2) lie in the area of the contour (k,) of the same row; none that lies on its line."""
-    points = shapely.points(at)
-    within = shapely.contains(outlines.polygon[contour], points)
-    within[within] = ~shapely.dwithin(points[within], outlines.line[contour[within]], ROUNDING_MM)
-    return np.asarray(within, dtype=np.bool_)
 
 
 # Lengths added up by whose they are.

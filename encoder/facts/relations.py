@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Bools, Floats, Ints, unique
+from kerfwise.arrays import Bools, Floats, Ints
 from kerfwise.encoder.cut import Side
+from kerfwise.encoder.geometry.concavity import concavity_pairs, well_inside
 from kerfwise.encoder.geometry.segment import Box
 
 from .facts import SIDES, Because, FactOptions
-from .outlines import AWAY, AXIS, OPPOSITE, ROUNDING_MM, SAME_SHARE, Outlines, narrow_sides, well_inside
+from .outlines import AWAY, AXIS, OPPOSITE, ROUNDING_MM, SAME_SHARE, Outlines, narrow_sides
 
 # Which contour lies inside which (Pristupov 2016, fig. 1; Verkhoturov et al.).
 #
@@ -71,42 +72,15 @@ def outermost_of(parent: Ints) -> Ints:
     return top
 
 
-# Which part lies in the concavity of which (Pristupov 2016, fig. 4).
-#
-# As there, convex hulls are tested, and only against the centroids of the other parts, so that a part which merely
-# reaches into a hull is left alone.
-
-FLAT_MM = 0.05
-"""A contour none of whose points lies deeper inside its hull is convex: drawings carry such rounding."""
-SAME_AREA = 1e-9
+# Which part lies in the concavity of which.
 
 
 def hull_pairs(outlines: Outlines, parent: Ints) -> Ints:
-    """Array (k, 2) of all pairs (j, i), outer contours in the same place, i not convex and j's centroid in i's hull.
-
-    A centroid on the hull counts as inside; one inside i itself does not: i then lies in that part's concavity.
-    """
+    """Array (k, 2) of all pairs (j, i), sorted, outer contours in the same place, j in the concavity of i."""
     outers = outlines.outers
-    hollow = _hollow(outlines, outers)
-    centroids = shapely.STRtree(shapely.points(outlines.centroid[outers]))
-    hulls = shapely.convex_hull(outlines.line[hollow])
-    which, j = centroids.query(hulls, predicate="dwithin", distance=ROUNDING_MM)
-    i, j = hollow[which], outers[j]
-    kept = (parent[i] == parent[j]) & (i != j)
-    kept[kept] = ~well_inside(outlines, i[kept], outlines.centroid[j[kept]])
-    i, j = i[kept], j[kept]
-    return np.column_stack([j, i])[np.lexsort((i, j))]
-
-
-def _hollow(outlines: Outlines, outers: Ints) -> Ints:
-    """Those of the outer contours that are not convex: a point of theirs lies deeper than FLAT_MM inside the hull."""
-    hull_area_mm2 = shapely.area(shapely.convex_hull(outlines.line[outers]))
-    maybe = outers[hull_area_mm2 > outlines.area_mm2[outers] * (1 + SAME_AREA)]
-    tested = np.isin(outlines.chord_contour, maybe)
-    of = np.searchsorted(maybe, outlines.chord_contour[tested])
-    rims = shapely.boundary(shapely.convex_hull(outlines.line[maybe]))
-    depth_mm = shapely.distance(shapely.points(outlines.chord_start[tested]), rims[of])
-    return unique(maybe[of[depth_mm > FLAT_MM + ROUNDING_MM]])
+    j, i = outers[concavity_pairs(outlines.line[outers], outlines.polygon[outers])].T
+    same = parent[i] == parent[j]
+    return np.column_stack([j[same], i[same]])
 
 
 # Which part lies ahead of which on the same level (Pristupov 2016, fig. 3).
@@ -149,7 +123,8 @@ def level_ahead(outlines: Outlines, parent: Ints, start_side: Side) -> Ints:
     meets[beside] = shapely.dwithin(rays, outlines.line[outers[i[beside]]], ROUNDING_MM)
     # a centroid inside the outline is in the mouth of a part, not between it and the start side
     met = np.flatnonzero(meets)
-    meets[met] = ~well_inside(outlines, outers[i[met]], outlines.centroid[outers[j[met]]])
+    around, middles = outers[i[met]], shapely.points(outlines.centroid[outers[j[met]]])
+    meets[met] = ~well_inside(outlines.polygon[around], outlines.line[around], middles)
     j, i = outers[j[meets]], outers[i[meets]]
     return np.column_stack([j, i])[np.lexsort((i, j))]
 

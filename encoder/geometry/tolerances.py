@@ -13,6 +13,8 @@ from .segment import Point
 # Lengths as whole micrometres, so that every engine adds up the same.
 
 UM_PER_MM = 1000
+ROUNDING_MM = 1e-6
+"""Lengths that differ by less are equal: no fact may hang on the last bit of a coordinate."""
 GRAZE_UM = 100.0
 """A move that touches an area less deeply than this does not cross it."""
 HALF = 0.501

@@ -54,19 +54,21 @@ def run_portfolio(
     listener
         Told what is reached; it may end it before the limits do. The deadline of a whole that this is a part of.
     start
-        A lawful route to go on from, where one is known.
+        A route to go on from, where one is known; where it breaks something, the search alone does.
     earlier
         What is known of the problem with fewer statements: its bound holds here, too.
     found
         Told each plan that is better than those before, as it is found; it changes nothing.
     """
     run = Run(problem, options, listener, found)
-    if start is not None:
+    lawful = start is not None and not broken(problem, start)
+    if start is not None and lawful:
         run.offer(Incumbent(start, route_cost(problem, start)), "search")
     elif first_plan.wants_early(problem):
         run.offer(first_plan.plan_from_its_end(problem), "search")
         if run.known.incumbent is None and show_impossible(run):
             return run.known
+    run.near = None if lawful else start
     if earlier is not None:
         run.known.priced, run.known.tables = earlier.priced, earlier.tables
         run.known.take_bound(earlier)
@@ -306,6 +308,8 @@ def search(run: Run, share: float, seed: int | None = None) -> None:
         known.tables = run.searcher.tables
     if known.incumbent is not None and (first or known.found_by != "search"):
         run.searcher.stand_on(known.incumbent.route)
+    elif known.incumbent is None and first and run.near is not None:
+        run.searcher.stand_near(run.near)
     searcher = run.searcher
 
     def heard(engine: str, cost_um: int | None, bound_um: int | None) -> bool:

@@ -73,8 +73,8 @@ class Run:
     """One problem, its limits and what is known so far; members read it and write to `known`.
 
     `count` is how many sets there are, as far as they were counted, `swept` whether a sweep of all of them was tried.
-    `preview` is a plan that was `shown` meanwhile and that no member goes on from, `searcher` the search that is gone
-    on with.
+    `preview` is a plan that was `shown` meanwhile and that no member goes on from, `near` a route that breaks something
+    and that the search goes on from, `searcher` the search that is gone on with.
     """
 
     def __init__(
@@ -89,6 +89,7 @@ class Run:
         self.count: ideals.Count | None = None
         self.swept = self.shown = self.wishes_left_out = False
         self.preview: Incumbent | None = None
+        self.near: tuple[int, ...] | None = None
         self.searcher: Searcher | None = None
 
     def offer(self, incumbent: Incumbent | None, engine: str) -> None:

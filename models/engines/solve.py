@@ -75,7 +75,7 @@ def solve(
         deadline.begin()
         limits = replace(options, work=share, time_s=options.time_s and share)
         hear = None if found is None else partial(_tell_found, found, posed, problem, deadline)
-        known = run_portfolio(problem, limits, deadline, _still_lawful(problem, candidates, posed), known, hear)
+        known = run_portfolio(problem, limits, deadline, _known_route(problem, candidates, posed), known, hear)
         spent += known.work
         if known.incumbent is None:
             against = tuple(about.sentence for about in known.against[:MOST_DETAILS])
@@ -123,15 +123,20 @@ def _in_time(deadline: Deadline, most_s: float) -> Callable[[float], bool]:
     return going
 
 
-def _still_lawful(problem: Problem, candidates: Sites | None, posed: Problem) -> tuple[int, ...] | None:
-    """A route known before, where it may be gone on from; a site that another was never worse than is that other."""
+def _known_route(problem: Problem, candidates: Sites | None, posed: Problem) -> tuple[int, ...] | None:
+    """A route known before, where it may be gone on from; a site that another was never worse than is that other.
+
+    One that breaks statements is none, but of a problem with statements over the whole order: the search mends it.
+    """
     if candidates is None:
         return None
     route = [
         _alike(problem, int(c), posed) if problem.candidate_site[c] < 0 else s
         for c, s in zip(candidates, problem.candidate_site[candidates].tolist(), strict=True)
     ]
-    return None if min(route, default=0) < 0 or broken(problem, route) else tuple(route)
+    if min(route, default=0) < 0 or not (problem.general or not broken(problem, route)):
+        return None
+    return tuple(route)
 
 
 def _alike(problem: Problem, candidate: int, posed: Problem) -> int:

@@ -42,7 +42,7 @@ PROGRAM_AT_ONCE_S, PROGRAM_AT_ONCE = 1.0, 0.2
 """Deterministic seconds from one question whether there is time left to the next; and share of the work that is left,
 where that is more, as a program that is broken off often takes longer."""
 PROGRAM_FEW = 1000  # Rounds of the simplex method that there is always time for.
-MANY_MOVES, FEWER_MOVES = 8, 5  # Moves for every site, beyond which the dearest are dropped, and how many stay.
+MANY_MOVES, MOVES_KEPT = 8, 0.625  # Moves for every site, beyond which the dearest are dropped; share that stays.
 DEAR_UM = 1.0  # A move that is no dearer than this is not dropped.
 
 # What a bound by flows takes: solution.py
@@ -458,10 +458,12 @@ beside the check waits for."""
 TOLD_S = 1.0  # A command that takes so many seconds longer than its limit says so.
 SAID_S = 5.0  # What takes longer beside a limit in seconds is told.
 
-# pipeline.py
+# pipeline.py, plan/explain/reasons.py
 
 PASS_WORK = 0.5  # What the way of one pass may cost at the most.
 WORK_SHARE = 0.05  # and the most of it as a share of the work of the whole
+REASONS_SHARE, REASONS_S = 0.05, 1.0
+"""Share of a limit in seconds that working out why cuts come where they do may take beside it, and the least, s."""
 
 # jobs/request.py
 

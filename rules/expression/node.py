@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from kerfwise.rules.statements import Before, Pick
 
@@ -62,6 +62,14 @@ class Gate:
 
     terms: tuple[tuple[Lit | Gate, int], ...]
     bound: int
+    digest: int = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "digest", hash((self.terms, self.bound)))
+
+    def __hash__(self) -> int:
+        """Worked out once: a gate of hundreds of terms is looked up in many others."""
+        return self.digest
 
     @property
     def is_or(self) -> bool:
@@ -279,6 +287,24 @@ def holds_under(node: Node, known: Mapping[Lit, bool]) -> Node:
         result = holds_under(term, known)
         weights[result] = weights.get(result, 0) + weight
     return gate(weights, node.bound)
+
+
+def holds_in(node: Node, place: Sequence[int]) -> bool:
+    """Whether a node without picks and seconds holds in an order, given each contour's place in it."""
+    if isinstance(node, bool):
+        return node
+    if isinstance(node, Gate):
+        return sum(weight for term, weight in node.terms if holds_in(term, place)) >= node.bound
+    match node.atom:
+        case Before(i, j):
+            true = place[i] < place[j]
+        case Next(i, j):
+            true = place[j] == place[i] + 1
+        case Apart(i, j, cuts):
+            true = abs(place[i] - place[j]) > cuts
+        case Pick():
+            raise AssertionError(f"an order does not tell whether {node} holds")
+    return true == node.holds
 
 
 def is_certain(node: Node) -> bool:

@@ -123,13 +123,10 @@ class Writer:
             sentence, about = _said(says, k), self.about[k] if k < len(self.about) else ()
             if elements[k] is False:
                 yield self._impossible(k, about, sentence)
-                continue
-            try:
-                yield from self._of_node(elements[k], sentence, about)
-            except NotExpressible as error:
-                raise NotExpressible(k + 1, str(error)) from None
+            else:
+                yield from self.of_part(elements[k], says, k)
         for node in further:
-            yield from self._of_node(node, None)
+            yield from self.of_part(node, says, -1)
 
     def _impossible(self, k: int, about: tuple[int, ...], sentence: str | None) -> AtLeast:
         """An element that no order holds, told with its contours, and where one of them stands for two."""
@@ -162,6 +159,14 @@ class Writer:
             else:
                 rest += found_lags.values()
         return lags, sorted(rest)
+
+    def of_part(self, node: Node, says: Sequence[str], k: int) -> Iterator[Statement]:
+        """The statements of a part of element k, or of a constraint where k is -1; raises as `written` does."""
+        try:
+            sentence, about = (None, ()) if k < 0 else (_said(says, k), self.about[k] if k < len(self.about) else ())
+            yield from self._of_node(node, sentence, about)
+        except NotExpressible as error:
+            raise NotExpressible(k + 1, str(error)) from None
 
     def _of_node(self, node: Node, sentence: str | None, about: tuple[int, ...] = ()) -> Iterator[Statement]:
         if not self.in_parts:
@@ -281,12 +286,13 @@ class Writer:
 
     def _about(self, terms: Iterable[tuple[Lit | Gate, int]], sentence: str | None, of: tuple[int, ...]) -> About:
         numbers: dict[int, None] = {}
-        for term, _ in terms:
-            for lit in literals(term):
-                if isinstance(lit.atom, Pick):
-                    numbers[self.ways[lit.atom.c].contour] = None
-                elif isinstance(lit.atom, Before):
-                    numbers |= dict.fromkeys(lit.ends)
+        for lit in (lit for term, _ in terms for lit in literals(term)):
+            if of and len(numbers) > MOST_TOLD:
+                break
+            if isinstance(lit.atom, Pick):
+                numbers[self.ways[lit.atom.c].contour] = None
+            elif isinstance(lit.atom, Before):
+                numbers |= dict.fromkeys(lit.ends)
         named = dict.fromkeys(of) if of and len(numbers) > MOST_TOLD else numbers
         ids = [self.nest.contours[k].id for k in named]
         return About(self.rule, tuple(ids), self._sentence(sentence, ids, ""))
@@ -299,6 +305,8 @@ class Writer:
 
 
 MOST_NAMED = 6
+MOST_SHARED = 20_000
+"""Conditions within others, and words written out, that are kept for whoever names them again."""
 
 
 def _said(says: Sequence[str], k: int) -> str | None:
@@ -308,12 +316,18 @@ def _said(says: Sequence[str], k: int) -> str | None:
 def _literal(term: Lit | Gate) -> tuple[Literal, int]:
     """The statement's literal for a term; with a sign of -1 where the term is its opposite."""
     if isinstance(term, Gate):
-        inner = merged_gate(term)
-        return _enough(inner.terms, inner.bound), 1
+        return _within(term), 1
     if isinstance(term.atom, Before):
         return term.atom if term.holds else Before(*term.ends), 1
     assert isinstance(term.atom, Pick), "words were written out"
     return term.atom, 1 if term.holds else -1
+
+
+@lru_cache(maxsize=MOST_SHARED)
+def _within(term: Gate) -> Enough:
+    """A condition in another; those that stand in many are one and the same there."""
+    inner = merged_gate(term)
+    return _enough(inner.terms, inner.bound)
 
 
 def _enough(terms: Iterable[tuple[Lit | Gate, int]], bound: int) -> Enough:
@@ -389,7 +403,7 @@ def without_words(node: Node, n: int) -> Node:
     return _without_word(node, n)
 
 
-@lru_cache(maxsize=100_000)
+@lru_cache(maxsize=MOST_SHARED)
 def _without_word(node: Lit, n: int) -> Node:
     """The same of a literal: a rule asks of each as often as it names it."""
     atom = node.atom

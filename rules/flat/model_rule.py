@@ -6,12 +6,16 @@ import dataclasses
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field, make_dataclass
+from dataclasses import dataclass, field, make_dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
+import numpy as np
+import shapely
+
+from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
@@ -33,6 +37,8 @@ from .nest_data import Limits, further_words, measured_data, missing, order_data
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import FactOptions, Facts
+    from kerfwise.rules.expression.late_parts import LateParts
+    from kerfwise.rules.expression.to_statements import Writer
 
     from .flatten import Flattened, JudgedOrder
 
@@ -113,20 +119,49 @@ class ModelRule(Rule[Any]):
             )
 
     def statements(self, facts: Facts, options: Any) -> Iterator[Statement]:
-        """What the file says of the facts, kept as long as these live: a look for a conflict asks once more."""
-        kept = _stated.setdefault(facts, {})
-        if (self, options) not in kept:
-            from .compiler import expect_in_time
+        """What the file says of the facts, but for what `unstated` does."""
+        yield from self._read(facts, options).stated
 
-            stated = []
-            for statement in self._statements(facts, options):
+    def unstated(self, facts: Facts, order: Sequence[str] | None, options: Any) -> Iterator[Statement]:
+        read, index = self._read(facts, options), facts.nest.index
+        if not read.late.nodes:
+            return
+        numbers: Sequence[int] = range(len(read.late.nodes))
+        if order is not None:
+            numbers = read.late.broken([index[name] for name in order if name in index], _middles_mm(facts))
+        for k in numbers:
+            yield from self._expressed(read.writer.of_part(read.late.nodes[k], read.says, read.late.element[k]))
+
+    def _read(self, facts: Facts, options: Any) -> _Read:
+        """What the file says of the facts, kept as long as these live: each look at an order asks once more.
+
+        By other zones it is the same, where the file does not name zones.
+        """
+        kept, key = _stated.setdefault(facts, {}), (self, options)
+        if key not in kept and not self.minds_zones:
+            alike = (of[key] for other, of in [*_stated.items()] if key in of and _same_but_for_zones(other, facts))
+            kept.update((key, read) for read in alike)
+        if key not in kept:
+            kept[key] = self._read_anew(facts, options)
+        return kept[key]
+
+    def _expressed(self, statements: Iterator[Statement]) -> Iterator[Statement]:
+        """The statements, asking after each whether there is time for more."""
+        from kerfwise.rules.expression.to_statements import NotExpressible
+
+        from .compiler import expect_in_time
+
+        try:
+            for statement in statements:
                 expect_in_time(self.file.path)
-                stated.append(statement)
-            kept[self, options] = tuple(stated)
-        yield from kept[self, options]
+                yield statement
+        except NotExpressible as error:
+            element = f"element {error.element} of {self.file.array}: " if error.element else ""
+            raise InputError(f"rule {self.id}: {element}{error}", file=self.file.path, line=self.file.line) from None
 
-    def _statements(self, facts: Facts, options: Any) -> Iterator[Statement]:
-        from kerfwise.rules.expression.to_statements import NotExpressible, Way, Writer
+    def _read_anew(self, facts: Facts, options: Any) -> _Read:
+        from kerfwise.rules.expression.late_parts import LateParts, without_late_parts
+        from kerfwise.rules.expression.to_statements import Way, Writer
 
         from .flatten import flatten  # most runs have no rule in a file: they do without the reading of such
 
@@ -148,15 +183,14 @@ class ModelRule(Rule[Any]):
                 file=self.file.path,
                 line=self.file.bare or self.file.line,
             )
-        try:
-            yield from writer.written(flat.elements, says, flat.further)
-            for array, elements in zip(further, flat.others, strict=True):
-                one_by_one = dataclasses.replace(writer, in_parts=array.weight_mm is None and in_parts)
-                for statement in one_by_one.written(elements, (), ()):
-                    yield dataclasses.replace(statement, weight=array.weight_mm)  # type: ignore[arg-type]
-        except NotExpressible as error:
-            element = f"element {error.element} of {self.file.array}: " if error.element else ""
-            raise InputError(f"rule {self.id}: {element}{error}", file=self.file.path, line=self.file.line) from None
+        soon: tuple[Sequence[Node], Sequence[Node], LateParts] = (flat.elements, flat.further, LateParts())
+        elements, bare, late = without_late_parts(flat.elements, flat.further, _middles_mm(facts)) if in_parts else soon
+        stated = [*self._expressed(writer.written(elements, says, bare))]
+        for array, nodes in zip(further, flat.others, strict=True):
+            one_by_one = dataclasses.replace(writer, in_parts=array.weight_mm is None and in_parts)
+            for statement in self._expressed(one_by_one.written(nodes, (), ())):
+                stated.append(dataclasses.replace(statement, weight=array.weight_mm))  # type: ignore[arg-type]
+        return _Read(tuple(stated), writer, says, late)
 
     def words(self, nest: Nest, options: Any) -> str:
         """MiniZinc text of the words beside the facts that the file names."""
@@ -402,8 +436,18 @@ def parameters_data(file: ModelFile, options: Any) -> Fields:
     return [(p.name, json.dumps(getattr(options, p.key), ensure_ascii=False)) for p in file.parameters]
 
 
+@dataclass(frozen=True, slots=True)
+class _Read:
+    """What a file comes to on a nest: what is stated, and what is stated late, with what writes it."""
+
+    stated: tuple[Statement, ...]
+    writer: Writer
+    says: Sequence[str]
+    late: LateParts
+
+
 _facts: WeakKeyDictionary[Facts, str] = WeakKeyDictionary()
-_stated: WeakKeyDictionary[Facts, dict[tuple[ModelRule, Any], tuple[Statement, ...]]] = WeakKeyDictionary()
+_stated: WeakKeyDictionary[Facts, dict[tuple[ModelRule, Any], _Read]] = WeakKeyDictionary()
 
 
 def facts_data(facts: Facts) -> str:
@@ -413,6 +457,16 @@ def facts_data(facts: Facts) -> str:
     if facts not in _facts:
         _facts[facts] = facts_dzn(facts)
     return _facts[facts]
+
+
+def _same_but_for_zones(one: Facts, other: Facts) -> bool:
+    names = (f.name for f in dataclasses.fields(one) if f.name != "zone")
+    return all(getattr(one, name) is getattr(other, name) for name in names)
+
+
+def _middles_mm(facts: Facts) -> Floats:
+    """Where contours are, (n, 2)."""
+    return np.asarray(shapely.get_coordinates(shapely.centroid([contour.line for contour in facts.nest.contours])))
 
 
 def _way_words(entry: tuple[float, float], direction: str) -> str:

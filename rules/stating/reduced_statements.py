@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING, Any, assert_never
 
 import shapely
 
+from kerfwise.encoder.facts.compute import without_ways
 from kerfwise.encoder.facts.facts import Copies
+from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import (
     About,
     AtLeast,
@@ -178,6 +180,24 @@ def _at_least(s: AtLeast, rest: Remainder) -> Iterator[Statement]:
         yield replace(s, literals=left.literals, weights=left.weights, bound=left.bound)
     elif s.when is not None:
         yield Forbid(s.when, s.about, s.weight)
+
+
+def stated_by(
+    rule: Rule[Any], facts: Facts, options: Any, asked: Callable[[Facts], Iterable[Statement]] | None = None
+) -> Iterable[Statement]:
+    """What a rule states of the facts; one that looks at the whole nest states of that, without what is decided.
+
+    Where several torches cut at once, every rule states of the whole, and that is put in terms of the first torch.
+    With `asked` it is that in place of the rule's statements.
+    """
+    asked = asked or (lambda of: rule.statements(of, options))
+    if facts.copies is not None:
+        whole = asked(facts.copies.whole)
+        return GantryStatements(facts.copies, excusable=rule.excusable).of_first(whole, rule.of_each_torch)
+    facts = facts if rule.minds_ways else without_ways(facts)
+    if facts.past is None or not rule.of_whole_nest:
+        return asked(facts)
+    return remaining_statements(asked(facts.past.whole), rest_of(facts))
 
 
 # Every contour stands for all that is cut together with it. What is cut at one time has no order: of two such

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kerfwise.encoder.errors import RulesConflict
-from kerfwise.encoder.facts.compute import without_ways
 from kerfwise.encoder.graphs import (
     Link,
     Unbreakable,
@@ -29,7 +28,7 @@ from kerfwise.rules.statements import EXEMPTION_MM, About, AtLeast, Contiguous, 
 from .feasible_order import links_to_drop, position_clashes, positions
 from .feasible_sums import links_to_drop_for_sums, sums_of_orders
 from .lazy_statements import asked_of_torches, in_held_metal
-from .reduced_statements import GantryStatements, remaining_statements, rest_of
+from .reduced_statements import GantryStatements, rest_of, stated_by
 from .statement_costs import begun_first, late_parts, link_offers, open_ways, slower_ways, soften
 
 if TYPE_CHECKING:
@@ -172,20 +171,6 @@ def loose_orders(facts: Facts) -> tuple[Precede, ...]:
 
 def _loose_text(inner: str, outer: str) -> str:
     return f"{inner} cannot be cut any more: {outer}, which lies around it, is out, and the metal between is loose"
-
-
-def stated_by(rule: Rule[Any], facts: Facts, options: Any) -> Iterable[Statement]:
-    """What a rule states of the facts; one that looks at the whole nest states of that, without what is decided.
-
-    Where several torches cut at once, every rule states of the whole, and that is put in terms of the first torch.
-    """
-    if facts.copies is not None:
-        whole = rule.statements(facts.copies.whole, options)
-        return GantryStatements(facts.copies, excusable=rule.excusable).of_first(whole, rule.of_each_torch)
-    facts = facts if rule.minds_ways else without_ways(facts)
-    if facts.past is None or not rule.of_whole_nest:
-        return rule.statements(facts, options)
-    return remaining_statements(rule.statements(facts.past.whole, options), rest_of(facts))
 
 
 def too_much_at_once(facts: Facts, profile: Technique) -> dict[int, About]:

@@ -15,7 +15,7 @@ import json
 import sys
 import time
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -97,8 +97,8 @@ def recorded() -> Iterator[list[tuple[Plan, PlanContext]]]:
     made: list[tuple[Plan, PlanContext]] = []
     tells = pipeline.with_reasons
 
-    def told(plan: Plan, setting: PlanContext, *, at_once: bool) -> Plan:
-        plan = tells(plan, setting, at_once=at_once)
+    def told(plan: Plan, setting: PlanContext, going: Callable[[], bool]) -> Plan:
+        plan = tells(plan, setting, going)
         made.append((plan, setting))
         return plan
 

@@ -25,9 +25,9 @@ from kerfwise.models.engines.tuning import (
     BYTES_A_MOVE,
     CROWD,
     DEAR_UM,
-    FEWER_MOVES,
     LOOSE,
     MANY_MOVES,
+    MOVES_KEPT,
     PRIMAL,
     RISEN,
     SETTING_OUT,
@@ -348,7 +348,8 @@ class FlowProgram:
         known, sites = len(self._reduced), self._m + 1
         kept = np.ones(len(self._leave), dtype=np.bool_)
         if known > MANY_MOVES * sites:
-            enough = max(float(np.partition(self._reduced, FEWER_MOVES * sites)[FEWER_MOVES * sites]), DEAR_UM)
+            fewer = int(MOVES_KEPT * MANY_MOVES * sites)
+            enough = max(float(np.partition(self._reduced, fewer)[fewer]), DEAR_UM)
             kept[:known] = in_use[:known] | (self._reduced <= enough)
             kept |= self._moves.is_own(self._leave, self._reach)
         gone = np.flatnonzero(~kept)

@@ -162,10 +162,11 @@ def _lags_are_kept(model: CpModel, problem: Problem, v: Variables) -> None:
 
 def _general_statements_hold(model: CpModel, problem: Problem, v: Variables) -> None:
     """Statements over any literals hold (when the candidate given is used), or the penalty is due."""
+    known: dict[int, LiteralT] = {}
     for k, statement in enumerate(problem.general):
         premise = [] if statement.when is None else [_picked(problem, v, statement.when)]
         excused = [v.failed[k].negated()] if k in v.failed else []
-        literals = [_literal(model, problem, v, lit) for lit in statement.literals]
+        literals = [_literal(model, problem, v, lit, known) for lit in statement.literals]
         _at_least(model, literals, statement.weights, statement.bound, [*premise, *excused])
 
 
@@ -212,19 +213,23 @@ def _cut_ms(problem: Problem, v: Variables, contour: int) -> LinearExprT:
     return cut + LinearExpr.weighted_sum([v.travel[a] for a, _ in linked], [ms for _, ms in linked]) if linked else cut
 
 
-def _literal(model: CpModel, problem: Problem, v: Variables, literal: Literal) -> LiteralT:
-    """The literal of an order or a pick; of a condition in another a variable that holds if and only if that does."""
+def _literal(model: CpModel, problem: Problem, v: Variables, literal: Literal, known: dict[int, LiteralT]) -> LiteralT:
+    """The literal of an order or a pick; of a condition in another a variable that holds if and only if that does.
+
+    What such conditions are `known` by, by their `id`: several statements may have one in common.
+    """
     match literal:
         case Before(i, j):
             return v.before(i, j)
         case Pick(c):
             return _picked(problem, v, c)
         case Enough(within, weights, bound):
-            holds = model.new_bool_var("")
-            total = LinearExpr.weighted_sum([_literal(model, problem, v, lit) for lit in within], weights)
-            model.add(total >= bound).only_enforce_if(holds)
-            model.add(total < bound).only_enforce_if(holds.negated())
-            return holds
+            if id(literal) not in known:
+                holds = known[id(literal)] = model.new_bool_var("")
+                total = LinearExpr.weighted_sum([_literal(model, problem, v, lit, known) for lit in within], weights)
+                model.add(total >= bound).only_enforce_if(holds)
+                model.add(total < bound).only_enforce_if(holds.negated())
+            return known[id(literal)]
         case _:
             assert_never(literal)
 

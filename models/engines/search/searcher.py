@@ -262,6 +262,10 @@ class Searcher:
         faults = broken(self._problem, route)
         if faults:
             raise ValueError(f"not a lawful route: {faults[0].sentence}")
+        self.stand_near(route)
+
+    def stand_near(self, route: Sequence[int]) -> None:
+        """The same from a route that may break hard statements, of a problem that is not plain."""
         for walker in self._walkers:
             walker.stand_on(np.asarray(route, dtype=np.int64))
 

@@ -6,14 +6,17 @@ it names breaks nothing that this one does not, and costs less. Where there is n
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, takewhile
+from math import inf
 
 import numpy as np
 
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM, cost_um
+from kerfwise.models.engines.tuning import REASONS_S, REASONS_SHARE
+from kerfwise.models.jit import running_s
 from kerfwise.models.plan.plan import LINKED, SIMULATION, Plan, Prices
 from kerfwise.models.problem.crossings import FORBIDDEN
 from kerfwise.models.problem.evaluate import (
@@ -25,9 +28,8 @@ from kerfwise.models.problem.evaluate import (
     route_cost,
     times_ms,
 )
-from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About, Move, by_kind
-from kerfwise.rules.stating.lazy_statements import lazy_statements, meeting_of
+from kerfwise.rules.stating.lazy_statements import lazy_statements, looks_at_orders, meeting_of
 
 from .alternatives import Hold, PositionCosts, nearest_orders
 from .context import PlanContext
@@ -141,25 +143,25 @@ class WhyHere:
 
 
 class Reasons:
-    """Why the contours of one plan are where they are; asked of one contour, or of all in turn."""
+    """Why the contours of one plan are where they are, as long as it is `going`; asked of one contour, or of all."""
 
-    def __init__(self, setting: PlanContext, along: PositionCosts | None = None) -> None:
+    def __init__(
+        self, setting: PlanContext, along: PositionCosts | None = None, going: Callable[[], bool] = lambda: True
+    ) -> None:
         self.setting, self.places = setting, OtherPlaces(setting)
-        self._along = along
+        self._along, self._going = along, going
         self._left = LOOKS
-        book, profile = setting.profile.rulebook(), setting.profile
-        looking = any(type(book[name]).no_goods is not Rule.no_goods for name in profile.settings())
         kerfs_meet = bool(meeting_of(setting.facts.whole_nest, setting.facts.options.kerf_mm))
-        self._looks = looking or kerfs_meet
+        self._looks = kerfs_meet or looks_at_orders(setting.facts, setting.profile)
         self._stated = {(s.about.rule, s.about.contours) for s in setting.stated.statements} if self._looks else set()
 
     @cached_property
     def _turned(self) -> list[tuple[frozenset[int], OtherPlace]]:
-        return list(self.places.turned())
+        return list(takewhile(lambda _: self._going(), self.places.turned()))
 
     def of(self, contour: int) -> WhyHere:
         """What decides where one contour is cut."""
-        if not self.places.complete:
+        if not self.places.complete or not self._going():
             return WhyHere(known=False)
         if len(self.setting.order) == 1:
             return WhyHere(only=True)
@@ -168,7 +170,9 @@ class Reasons:
             for among, way in self._turned
             if contour in among
         ]
-        alone = list(self.places.of(contour))
+        alone = list(takewhile(lambda _: self._going(), self.places.of(contour)))
+        if not self._going():
+            return WhyHere(known=False)
         others = [*alone, *turned]
         better = [place for place in others if not place.hard and place.more_um < -MATTERS_UM]
         found: list[Reason] = []
@@ -269,12 +273,13 @@ class KeptOrders:
         return kept or (f"what decides where {name} is cut was not worked out: kerfwise explain looks at one contour",)
 
 
-def with_reasons(plan: Plan, setting: PlanContext, *, at_once: bool = False) -> Plan:
+def with_reasons(plan: Plan, setting: PlanContext, going: Callable[[], bool] = lambda: True) -> Plan:
     """The plan with why each of its cuts comes where it does, before how that is cut, and what its cost is made of.
 
-    `at_once` names the orders that each keeps, without a look at what would be without them.
+    Where it is not `going`, or no longer, the orders that each keeps are named, without a look at what would be without
+    them.
     """
-    reasons, kept = None if at_once else Reasons(setting), KeptOrders(setting)
+    reasons, kept = Reasons(setting, going=going) if going() else None, KeptOrders(setting)
     cuts = []
     for contour, cut in zip(setting.order, plan.items, strict=True):
         why = reasons.of(contour).sentences(setting.name(contour)) if reasons else ()
@@ -285,6 +290,12 @@ def with_reasons(plan: Plan, setting: PlanContext, *, at_once: bool = False) -> 
     if plan.solve.found_by == SIMULATION and plan.solve.objective is not None:
         prices = replace(prices, simulated_mm=plan.solve.objective - prices.sum_mm)
     return replace(plan.with_items(cuts), prices=prices)
+
+
+def beside_limit(time_s: float | None) -> Callable[[], bool]:
+    """Says whether to go on with reasons, which have a share of a limit in seconds from now on."""
+    ends_s = running_s() + (inf if time_s is None else max(REASONS_S, REASONS_SHARE * time_s))
+    return lambda: running_s() < ends_s
 
 
 ENTRY = ("entered at ", LINKED)

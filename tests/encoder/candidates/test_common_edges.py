@@ -12,7 +12,10 @@ import shapely
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate, CommonOptions
 from kerfwise.encoder.candidates.common_edges import CommonEdges, common_edges
+from kerfwise.encoder.candidates.common_paths import _in_mouths
 from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.facts.outlines import outlines_of
+from kerfwise.encoder.facts.relations import hull_pairs, parents_of
 from kerfwise.encoder.geometry.tolerances import tolerance_mm
 from kerfwise.encoder.nest import Nest, Part
 from kerfwise.encoder.torch_path import compensated
@@ -135,6 +138,18 @@ def test_ways_part_at_an_inner_corner(turn: float, kerf_mm: float) -> None:
             beside = cut[one].between(begin_mm, mm).line(0.001)
             far_mm = shapely.distance(line, shapely.points(shapely.get_coordinates(shapely.segmentize(beside, 0.01))))
             assert far_mm.max() <= tolerance_mm(kerf_mm)
+
+
+@pytest.mark.parametrize("depth_mm", [0.01, 0.04, 0.06, 2.0])
+def test_what_common_cuts_take_for_a_mouth_the_fact_does(depth_mm: float) -> None:
+    """A shallow notch in a large plate, and a strip half a kerf from its floor."""
+    notch = [(400, 500), (400, 500 - depth_mm), (600, 500 - depth_mm), (600, 500)]
+    plate = part("P", [(0, 0), (1000, 0), (1000, 500), *reversed(notch), (0, 500)])
+    sheet = nest(1100, 700, plate, part("S", [(450, 500 - depth_mm / 2), (550, 500 - depth_mm / 2), (500, 500)]))
+    outlines = outlines_of(sheet)
+    pairs = hull_pairs(outlines, parents_of(outlines)).tolist()
+    assert pairs == ([[1, 0]] if depth_mm > 0.05 else [])
+    assert [[j, i] for i, before in _in_mouths(sheet, [0, 1]).items() for j in before] == pairs
 
 
 def ways(sheet: Nest, name: str, options: LeadOptions = OPTIONS) -> list[Candidate]:

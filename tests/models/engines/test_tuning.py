@@ -25,7 +25,7 @@ FIXED = {
     "ideals/stretches/stretch_bounds.py": {"NOWHERE"},
     "ideals/stretches/stretch_tables.py": {"NARROW", "WIDE", "LANES", "HOME", "FAR"},
     "search/anneal.py": {"DEAREST"},
-    "search/state/conditions.py": {"HARD", "NO_SITE"},
+    "search/state/conditions.py": {"HARD", "NO_SITE", "WITHIN"},
     "search/moves/insertion.py": {"FAR"},
     "search/moves/lin_kernighan_tables.py": {"UNLAWFUL", "FRONT", "LOW", "HIGH"},
     "search/state/route_state.py": {

@@ -73,6 +73,25 @@ def test_an_order_that_travel_would_keep_anyway_is_no_reason() -> None:
     )
 
 
+def test_once_time_is_over_no_reason_is_told_that_was_not_worked_out() -> None:
+    """Each cut has the reason that it has with all the time there is, or the order that it keeps."""
+    _, setting, plan = planned(plant())
+    ways = ("entered at ", "kept: ", "what decides where ")
+    for much in (0, 1, 5, 9, 14, 10_000):
+        left = iter([True] * much)
+        short = with_reasons(plan_without(plan), setting, lambda left=left: next(left, False))
+        told = [(cut.because, whole.because) for cut, whole in zip(short.cuts, plan.cuts, strict=True)]
+        assert all(because == whole or because[0].startswith(ways[1:]) for because, whole in told)
+        assert all(because != whole for because, whole in told) == (much < 5)
+    assert all(because == whole for because, whole in told)
+
+
+def plan_without(plan: Plan) -> Plan:
+    """The plan before reasons are told."""
+    entered = [next(k for k, text in enumerate(cut.because) if text.startswith("entered at ")) for cut in plan.cuts]
+    return plan.with_items([replace(c, because=c.because[k:]) for c, k in zip(plan.cuts, entered, strict=True)])
+
+
 def test_only_where_nothing_is_asked_travel_alone_decides() -> None:
     _facts, setting, plan = planned(NOTHING)
     told = of(plan, "P3.outer")

@@ -100,6 +100,15 @@ def test_what_never_gives_way_is_named_and_the_advice_works(tmp_path: Path) -> N
     assert len(planned(sheet, soft)[0]) == 7
 
 
+@pytest.mark.slow
+def test_relaxing_moves_no_part_to_another_zone_for_an_order_that_gives_way(tmp_path: Path) -> None:
+    sheet, profile = row(8, 8), plant(tmp_path, "zone-order: {zone_contours: 2}")
+    facts = facts_of(sheet, profile)
+    plain, relaxed = (make_request(facts, profile, relax=relax) for relax in (False, True))
+    assert facts.zone.tolist() == [1, 1, 2, 2, 3, 3, 4, 4]
+    assert plain.facts.zone.tolist() == relaxed.facts.zone.tolist() == [1, 1, 2, 2, 3, 3, 4, 2]
+
+
 def ends_of(s: AtLeast) -> list[tuple[int, int]]:
     return [(x.i, x.j) for x in s.literals if isinstance(x, Before)]
 

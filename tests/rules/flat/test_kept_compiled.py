@@ -220,7 +220,7 @@ def test_reading_ends_within_the_limit(tmp_path: Path, cache: Path) -> None:
     rule, facts = read_model_rule(file), facts_of(ROW, load_profile())
     assert len(list(rule.statements(facts, rule.Options()))) == 2
     with compiled_within(-1.0), pytest.raises(InputError, match="is being read, and the time limit leaves no more"):
-        list(rule.statements(replace(facts), rule.Options()))
+        list(rule.statements(replace(facts, zone=facts.zone.copy(), parent=facts.parent.copy()), rule.Options()))
 
 
 FLAT = """var bool: ab;

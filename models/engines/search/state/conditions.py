@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -256,14 +258,16 @@ def too_soon(lags: Lags, legs: Legs, order: Ints, position: Ints, site: Ints, ti
 
 # General statements, as the search reads them: sums over literals of any kind.
 
+WITHIN = -1
 NO_SITE = -2  # stands for a candidate that no site stands for: it is never picked
 
 
 class Literals(NamedTuple):
     """Statement g sums `weight` over its literals `first[g]` …: `a` before `b`; with a = -1 site b picked; with a = -2
-    what statement b says, which is one of the conditions `within` others, and stands before them.
+    what statement b says, which is one of the conditions `within` others, and stands before them; with a = -3 how many
+    contours come before contour b. Weights over 0 come last, the plain ones first.
 
-    `when` is the site that it is about, or -1.
+    `when` is the site that it is about, or -1. `within` is `WITHIN` for one within others, else whether it names sites.
     """
 
     when: Ints
@@ -279,32 +283,66 @@ class Literals(NamedTuple):
 def make_literals(problem: Problem) -> Literals:
     """The general statements of a problem, each after the conditions that stand in it."""
     rows: list[AtLeast | Enough] = []
-    pairs: list[list[tuple[int, int]]] = []
+    bounds: list[int] = []
+    terms: list[list[tuple[int, int, int]]] = []
+    known: dict[int, int] = {}
 
     def numbered(row: AtLeast | Enough) -> int:
-        own = [(-2, numbered(lit)) if isinstance(lit, Enough) else _pair(problem, lit) for lit in row.literals]
+        if id(row) in known:
+            return known[id(row)]
+        orders, bound = _by_position(row, problem.n)
+        own = [(a, b, weight) for (a, b), weight in orders.items()]
+        for lit, weight in zip(row.literals, row.weights, strict=True):
+            match lit:
+                case Enough():
+                    own.append((-2, numbered(lit), weight))
+                case Pick(c):
+                    own.append((-1, _site(problem, c), weight))
         rows.append(row)
-        pairs.append(own)
-        return len(rows) - 1
+        bounds.append(bound)
+        terms.append(sorted(own, key=lambda term: (term[2] > 0, term[0] == -2)))
+        known[id(row)] = len(rows) - 1
+        return known[id(row)]
 
     for s in problem.general:
         numbered(s)
     stated = [None if isinstance(row, Enough) else row for row in rows]
-    flat = [pair for own in pairs for pair in own]
+    flat = [term for own in terms for term in own]
     return Literals(
         when=ints([-1 if s is None or s.when is None else _site(problem, s.when) for s in stated]),
-        bound=ints([row.bound for row in rows]),
+        bound=ints(bounds),
         cost=ints([HARD if s is None or s.weight is None else round(s.weight * UM_PER_MM) for s in stated]),
-        first=flatten([[0] * len(row.literals) for row in rows])[0],
-        a=ints([a for a, _ in flat]),
-        b=ints([b for _, b in flat]),
-        weight=ints([w for row in rows for w in row.weights]),
-        within=ints([int(s is None) for s in stated]),
+        first=flatten([[0] * len(own) for own in terms])[0],
+        a=ints([a for a, _, _ in flat]),
+        b=ints([b for _, b, _ in flat]),
+        weight=ints([weight for _, _, weight in flat]),
+        within=ints([WITHIN if s is None else int(_of_sites(s, own)) for s, own in zip(stated, terms, strict=True)]),
     )
 
 
-def _pair(problem: Problem, literal: Before | Pick) -> tuple[int, int]:
-    return (-1, _site(problem, literal.c)) if isinstance(literal, Pick) else (literal.i, literal.j)
+def _of_sites(s: AtLeast, terms: Sequence[tuple[int, int, int]]) -> bool:
+    """Whether it names sites, not counting what stands within it."""
+    return s.when is not None or any(a == -1 for a, _, _ in terms)
+
+
+def _by_position(row: AtLeast | Enough, n: int) -> tuple[dict[tuple[int, int], int], int]:
+    """The weights of orders in a sum over n contours, and its bound; all orders of one contour are its position."""
+    weights: dict[tuple[int, int], int] = defaultdict(int)
+    for literal, weight in zip(row.literals, row.weights, strict=True):
+        if isinstance(literal, Before):
+            weights[literal.i, literal.j] += weight
+    bound = row.bound
+    for end in (1, 0) if len(weights) >= n - 1 else ():
+        of: dict[int, list[tuple[int, int]]] = defaultdict(list)
+        for pair in weights:
+            of[pair[end]].append(pair)
+        for contour, pairs in of.items():
+            least = min(weights[pair] for pair in pairs)
+            if contour >= 0 and len(pairs) == n - 1 and least > 0:
+                weights |= {pair: weights[pair] - least for pair in pairs}
+                weights[-3, contour] += least if end else -least
+                bound -= 0 if end else least * (n - 1)
+    return {pair: weight for pair, weight in weights.items() if weight}, bound
 
 
 def _site(problem: Problem, candidate: int) -> int:
@@ -318,9 +356,9 @@ def literals_unmet(literals: Literals, contour: Ints, position: Ints, site: Ints
     cost, broken = 0, 0
     for g in range(len(literals.bound)):
         when = literals.when[g]
-        if literals.within[g] or when == NO_SITE or (when >= 0 and site[contour[when]] != when):
+        if literals.within[g] == WITHIN or when == NO_SITE or (when >= 0 and site[contour[when]] != when):
             continue
-        if _missing(literals, g, contour, position, site) > 0:
+        if not _holds(literals, g, contour, position, site):
             if literals.cost[g] < 0:
                 broken += 1
             else:
@@ -329,15 +367,37 @@ def literals_unmet(literals: Literals, contour: Ints, position: Ints, site: Ints
 
 
 @compiled
+def _holds(literals: Literals, g: int, contour: Ints, position: Ints, site: Ints) -> bool:
+    """Whether a statement reaches its bound."""
+    missing = literals.bound[g]
+    for e in range(literals.first[g], literals.first[g + 1]):
+        if missing <= 0 and literals.weight[e] > 0:
+            return True
+        if literals.a[e] != -2:
+            missing -= _plain(literals, e, contour, position, site)
+        elif _holds(literals, literals.b[e], contour, position, site):
+            missing -= literals.weight[e]
+    return bool(missing <= 0)
+
+
+@compiled
+def _plain(literals: Literals, e: int, contour: Ints, position: Ints, site: Ints) -> int:
+    """What a literal that is no condition adds to its sum."""
+    a, b, weight = literals.a[e], literals.b[e], literals.weight[e]
+    if a == -3:
+        return int(weight * position[b])
+    true = (position[a] < position[b]) if a >= 0 else (b >= 0 and site[contour[b]] == b)
+    return int(weight) if true else 0
+
+
+@compiled
 def _missing(literals: Literals, g: int, contour: Ints, position: Ints, site: Ints) -> int:
     """By how much a statement falls short of its bound."""
     missing = literals.bound[g]
     for e in range(literals.first[g], literals.first[g + 1]):
-        a, b = literals.a[e], literals.b[e]
-        if a == -2:
-            if _missing(literals, b, contour, position, site) <= 0:
-                missing -= literals.weight[e]
-        elif (position[a] < position[b]) if a >= 0 else (b >= 0 and site[contour[b]] == b):
+        if literals.a[e] != -2:
+            missing -= _plain(literals, e, contour, position, site)
+        elif _holds(literals, literals.b[e], contour, position, site):
             missing -= literals.weight[e]
     return int(missing)
 
@@ -348,7 +408,7 @@ def lean_on_sites(literals: Literals, contour: Ints, position: Ints, site: Ints,
     lean[:] = 0
     for g in range(len(literals.bound)):
         when = literals.when[g]
-        if when == NO_SITE or literals.within[g]:
+        if when == NO_SITE or literals.within[g] != 1:
             continue
         cost = price if literals.cost[g] < 0 else literals.cost[g]
         missing = _missing(literals, g, contour, position, site)

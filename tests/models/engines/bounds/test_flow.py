@@ -209,7 +209,6 @@ def test_a_bound_holds_where_dear_moves_are_dropped_again_and_again(seed: int, m
 
     monkeypatch.setattr(FlowProgram, "drop_dear", noted)
     monkeypatch.setattr(flow, "MANY_MOVES", 0)
-    monkeypatch.setattr(flow, "FEWER_MOVES", 0)
     assert 0.999 * whole <= flow_bound(seen, best, Deadline(5.0)).bound <= best.cost
     assert sum(dropped) > 0
 

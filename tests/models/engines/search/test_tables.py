@@ -5,11 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.search.state import travel
+from kerfwise.models.engines.search.state.conditions import literals_unmet, make_literals
 from kerfwise.models.engines.search.state.route_state import TablesOf, make_tables
+from kerfwise.models.jit import plain
 from kerfwise.models.problem import moves
+from kerfwise.models.problem.evaluate import general_holds
 from kerfwise.models.problem.moves import PairTable
 from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.statements import About, AtLeast, Before, Enough, Literal, Pick
 from kerfwise.tests.models.problems import scattered
 
 PLATE = scattered(3, contours=20, sites=3, pairs=15)
@@ -63,3 +68,46 @@ def test_prices_are_added_alike_place_by_place_and_all_at_once(sparse: int, monk
     table.add_to(priced, leave, reach)
     assert (priced == 1 + table.between(leave, reach)).all()
     assert priced.max() == 13
+
+
+def _random_sum(rng: np.random.Generator, n: int, m: int, depth: int) -> tuple[list[Literal], list[int]]:
+    """Orders, entries, positions, which are all orders of one contour, and sums within the sum."""
+    weights: dict[Literal, int] = {}
+    for _ in range(int(rng.integers(1, 5))):
+        i, j = rng.choice(n, 2, replace=False).tolist()
+        weight, kind = int(rng.integers(-2, 4)), rng.integers(4 if depth else 3)
+        if kind == 0:
+            weights[Before(i, j)] = weights.get(Before(i, j), 0) + weight
+        elif kind == 1:
+            weights[Pick(int(rng.integers(m)))] = weight
+        elif kind == 2:
+            for k in set(range(n)) - {j}:
+                pair = Before(k, j) if i % 2 else Before(j, k)
+                weights[pair] = weights.get(pair, 0) + weight
+        else:
+            within, own = _random_sum(rng, n, m, depth - 1)
+            weights[Enough(tuple(within), tuple(own), int(rng.integers(-2, 5)))] = weight
+    return list(weights), list(weights.values())
+
+
+def test_sums_are_met_by_the_routes_that_meet_the_statements() -> None:
+    rng, n, m = np.random.default_rng(7), 6, 12
+    met = 0
+    for _ in range(25):
+        rows = []
+        for _ in range(5):
+            literals, weights = _random_sum(rng, n, m, 2)
+            price = None if rng.random() < 0.5 else float(rng.integers(1, 9))
+            when = int(rng.integers(m)) if rng.random() < 0.3 else None
+            bound = int(rng.integers(-4, 9))
+            rows.append(AtLeast(tuple(literals), tuple(weights), bound, About("r", (), ""), when, price))
+        seen = replace(scattered(1, n, 2), general=tuple(rows))
+        order = rng.permutation(n)
+        route = [int(seen.first[c] + rng.integers(2)) for c in order.tolist()]
+        position, site = np.argsort(order), np.array(route)[np.argsort(order)]
+        place, picked = {c: int(position[c]) for c in range(n)}, set(route)
+        wrong = [s.weight for s in rows if not general_holds(seen, s, place, picked)]
+        found = plain(literals_unmet)(make_literals(seen), seen.site_contour, position, site)
+        assert found == (sum(round(w * UM_PER_MM) for w in wrong if w is not None), sum(w is None for w in wrong))
+        met += len(rows) - len(wrong)
+    assert 25 < met < 100
