@@ -58,12 +58,16 @@ class BadRow:
 
 @dataclass(frozen=True, slots=True)
 class PartList:
-    """What a list says: parts, sheets if it names any, the rows of a table that cannot be used, columns not read."""
+    """What a list says: parts, sheets if it names any, the rows of a table that cannot be used, columns not read.
+
+    `left_out` is as a table counts it.
+    """
 
     parts: tuple[PartRow, ...]
     sheets: tuple[SheetRow, ...] = ()
     bad: tuple[BadRow, ...] = ()
     unread: tuple[str, ...] = ()
+    left_out: tuple[int, int] = (0, 0)
 
 
 def is_list(path: Path, head: bytes) -> bool:
@@ -162,7 +166,8 @@ def _list_of_tables(path: Path, skip_bad: bool) -> PartList:
     sheets: list[SheetRow] = []
     bad: list[BadRow] = []
     unread: list[str] = []
-    for table in read_tables(path):
+    tables = read_tables(path)
+    for table in tables:
         unread += table.head.unread
         cells = _STOCK_CELLS if table.of_stock else _PART_CELLS
         for line, row in table.rows:
@@ -185,7 +190,8 @@ def _list_of_tables(path: Path, skip_bad: bool) -> PartList:
         problems.raise_any()
     if not (parts or sheets or bad):
         raise InputError("has a head and no rows", file=path)
-    return PartList(tuple(parts), tuple(sheets), tuple(bad), tuple(unread))
+    comments, hidden = (sum(table.left_out[k] for table in tables) for k in (0, 1))
+    return PartList(tuple(parts), tuple(sheets), tuple(bad), tuple(unread), (comments, hidden))
 
 
 def _cells(
@@ -196,7 +202,10 @@ def _cells(
     wrong = []
     for at, column in table.head.columns.items():
         cell = row[at] if at < len(row) else None
-        if column not in kinds or cell is None or (isinstance(cell, str) and cell.strip() in ("", "-", "–")):
+        dash = isinstance(cell, str) and cell.strip() in ("-", "–")
+        if column == "quantity" and dash and kinds is _PART_CELLS:
+            wrong.append((at + 1, f"{column}: {cell!r} may be none or one: write how many, or take the row out"))
+        if column not in kinds or cell is None or dash or (isinstance(cell, str) and not cell.strip()):
             continue
         try:
             values[column] = kinds[column](cell, table.head.mm.get(at, 1.0))

@@ -74,6 +74,9 @@ def order_of(
             bad += listed.bad
             if listed.unread:
                 tell(escape_text(f"{text}: columns that are not read: {join_names(listed.unread, _MOST_NAMED)}"))
+            for count, why in zip(listed.left_out, ("begin with #", "are hidden in the workbook"), strict=True):
+                if count:
+                    tell(escape_text(f"{text}: rows that are not read, as they {why}: {count}"))
     for text in (*sheets, *remnants):
         if is_table(file := Path(text)):
             stock += ((row, file.parent) for row in read_list(file).sheets)

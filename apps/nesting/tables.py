@@ -9,7 +9,7 @@ import json
 import re
 import unicodedata
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -136,11 +136,15 @@ def _one_off(word: str, known: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows of cells under a head: (line, cells). `sheet` is the tab of a workbook, "" for CSV."""
+    """Rows of cells under a head: (line, cells). `sheet` is the tab of a workbook, "" for CSV.
+
+    `left_out` counts rows under the head that begin with #, and those that a workbook hides, as its filters do.
+    """
 
     sheet: str
     head: Head
     rows: tuple[tuple[int, tuple[Any, ...]], ...]
+    left_out: tuple[int, int] = (0, 0)
 
     @property
     def of_stock(self) -> bool:
@@ -166,10 +170,11 @@ def read_tables(path: Path) -> list[Table]:
     Raises InputError if it cannot be read, or no row names a column of parts or sheets: with the words that it has.
     """
     data = read_named(path, "the list of parts", MOST_BYTES_OF_YAML)
-    grids = list(_workbook(data, path)) if path.suffix.lower() in (".xlsx", ".xlsm") else [("", _csv(data, path))]
-    tables: list[Table] = [table for name, grid in grids if (table := _table(name, grid)) is not None]
+    is_book = path.suffix.lower() in (".xlsx", ".xlsm")
+    grids = list(_workbook(data, path)) if is_book else [("", _csv(data, path), frozenset[int]())]
+    tables = [table for name, grid, hidden in grids if (table := _table(name, grid, hidden)) is not None]
     if not tables:
-        first = next((row for _, grid in grids for row in grid), (1, ()))
+        first = next((row for _, grid, _ in grids for row in grid if not _is_comment(row[1])), (1, ()))
         raise InputError(_no_head(first), file=path, line=first[0])
     for table in tables:
         if table.head.twice is not None:
@@ -187,11 +192,21 @@ _HEAD_WITHIN = 20
 """A head stands in one of the first rows; above it may be a title."""
 
 
-def _table(name: str, grid: Grid) -> Table | None:
-    for at, (line, cells) in enumerate(grid[:_HEAD_WITHIN]):
-        if (head := head_of(line, cells)) is not None:
-            return Table(name, head, tuple(grid[at + 1 :]))
-    return None
+def _table(name: str, grid: Grid, hidden: Collection[int] = ()) -> Table | None:
+    rows = [row for row in grid if not _is_comment(row[1])]
+    head = next((head for row in rows[:_HEAD_WITHIN] if (head := head_of(*row)) is not None), None)
+    if head is None:
+        return None
+    below = [row for row in grid if row[0] > head.line]
+    told = rows if 0 in head.columns or str(dict(grid)[head.line][0]) != "#" else grid  # under a head # they are places
+    seen = [row for row in told if row[0] > head.line and row[0] not in hidden]
+    unseen = sum(row[0] in hidden for row in below)
+    return Table(name, head, tuple(seen), (len(below) - unseen - len(seen), unseen))
+
+
+def _is_comment(cells: Sequence[Any]) -> bool:
+    """Whether a row is one for people: it begins with #, and with more than that."""
+    return len(str(cells[0] or "")) > 1 and str(cells[0]).startswith("#")
 
 
 def _no_head(row: tuple[int, tuple[Any, ...]]) -> str:
@@ -228,7 +243,7 @@ def _rows(text: str, divider: str) -> Grid:
         for cells in reader:
             begun, line = line + 1, reader.line_num
             stripped = tuple(cell.strip() for cell in cells)
-            if any(stripped) and not stripped[0].startswith("#"):
+            if any(stripped):
                 rows.append((begun, stripped))
     except csv.Error:  # a quote that nothing closes, or a cell past all limits: another divider may do
         return []
@@ -247,16 +262,17 @@ def _decoded(data: bytes, path: Path) -> str:
         return data.decode("cp1252", "replace")
 
 
-def _workbook(data: bytes, path: Path) -> Iterator[tuple[str, Grid]]:
-    """Every visible tab of a workbook, its values as they were calculated."""
+def _workbook(data: bytes, path: Path) -> Iterator[tuple[str, Grid, frozenset[int]]]:
+    """Every visible tab of a workbook, its values as they were calculated, and the rows in it that are hidden."""
     openpyxl = library("openpyxl", "a list of parts as .xlsx", "nest")  # loaded by those who have workbooks only
 
     try:
-        book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
+        book = openpyxl.load_workbook(io.BytesIO(data), data_only=True)
         for tab in book.worksheets:
             if tab.sheet_state == "visible":
                 rows = ((k, tuple(row)) for k, row in enumerate(tab.iter_rows(values_only=True), 1))
-                yield tab.title, [(k, row) for k, row in rows if any(cell not in (None, "") for cell in row)]
+                hidden = frozenset(k for k, row in tab.row_dimensions.items() if row.hidden)
+                yield tab.title, [(k, row) for k, row in rows if any(cell not in (None, "") for cell in row)], hidden
     except (zipfile.BadZipFile, KeyError, ValueError, OSError, TypeError, EOFError) as error:
         raise InputError(f"not a workbook that can be read ({error}): save it as .xlsx or as CSV", file=path) from None
 

@@ -67,6 +67,32 @@ def test_a_title_comments_and_empty_rows_are_passed_over(tmp_path: Path) -> None
     assert (other.part, other.quantity, other.due) == ("b.dxf", None, None)
 
 
+def test_rows_that_begin_with_a_number_sign(tmp_path: Path) -> None:
+    """Comments are counted, a file of such a name among them; under a head # they are places in the list."""
+    path = tmp_path / "list.csv"
+    assert [row.part for row in rows_of(path, "# today\npart;qty\na.dxf;2\n#1.dxf;3\n# b.dxf;1\n")] == ["a.dxf"]
+    assert read_list(path).left_out == (2, 0)
+    for first in ("1", "#1"):
+        (row,) = rows_of(path, f"# today\n#;part;qty\n{first};a.dxf;2\n")
+        assert (row.part, row.quantity, read_list(path).left_out) == ("a.dxf", 2, (0, 0))
+
+
+def test_hidden_rows_of_a_workbook_are_left_out_and_counted(tmp_path: Path) -> None:
+    """As its filters hide them: what nobody sees is not cut."""
+    book = openpyxl.Workbook()
+    for k, row in enumerate([["part", "qty"], ["a.dxf", 1], ["b.dxf", 2], ["c.dxf", 3]], 1):
+        book.active.append(row)
+        book.active.row_dimensions[k].hidden = k == 3
+    book.save(tmp_path / "list.xlsx")
+    listed = read_list(tmp_path / "list.xlsx")
+    assert ([row.part for row in listed.parts], listed.left_out) == (["a.dxf", "c.dxf"], (0, 1))
+
+
+def test_a_dash_for_a_quantity_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"list\.csv:2:2: quantity: '-' may be none or one: write how many"):
+        rows_of(tmp_path / "list.csv", "part;qty;due\na.dxf;-;-\n")
+
+
 def test_a_workbook_has_parts_and_stock_on_tabs(tmp_path: Path) -> None:
     book = openpyxl.Workbook()
     book.active.append(["Part", "Qty", "Thickness [in]", "Due", "Order", "Grain"])
