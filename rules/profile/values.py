@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
@@ -13,8 +13,9 @@ from kerfwise.encoder.bevels.cut_nest import BevelOptions, Block
 from kerfwise.encoder.candidates.candidate import CommonOptions
 from kerfwise.encoder.geometry.segment import Box, Point
 from kerfwise.encoder.geometry.tolerances import tolerance_mm
-from kerfwise.encoder.nest import Nest
+from kerfwise.encoder.nest import Nest, Part
 from kerfwise.encoder.torch_path import CornerFeed
+from kerfwise.rules.charts.chart import family_of
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.quantities import ByThickness, length_at
 from kerfwise.rules.outside import PythonFile
@@ -319,7 +320,8 @@ _SLACK_MM = 1e-6
 
 
 def placing_notes(nest: Nest, profile: ProfileValues) -> Iterator[str]:
-    """A sentence for each thing that a planner would want to know: a far home, a sheet that sticks out, no edge starts.
+    """A sentence for each thing that a planner would want to know: a far home, a sheet that sticks out, no edge starts,
+    parts of another thickness or metal.
 
     Examples
     --------
@@ -332,6 +334,31 @@ def placing_notes(nest: Nest, profile: ProfileValues) -> Iterator[str]:
     yield from _far_home(nest, profile)
     yield from _sticks_out(nest, profile)
     yield from _no_edge_starts(nest, profile)
+    yield from _other_metal((nest.drawn or nest).parts, profile.material)
+
+
+def _other_metal(parts: Sequence[Part], cut: Material) -> Iterator[str]:
+    """Parts that say they are of another thickness, or of another metal, than the profile cuts."""
+    kind, said = family_of(cut.name), [(part.id, part.attributes) for part in parts]
+    others = {
+        "thickness": [
+            (name, f"{mm:g} mm")
+            for name, of in said
+            if isinstance(mm := of.get("thickness"), int | float) and abs(mm - cut.thickness_mm) > _STEP_MM
+        ],
+        "material": [
+            (name, grade)
+            for name, of in said
+            if isinstance(grade := of.get("material"), str) and kind and family_of(grade) not in ("", kind)
+        ],
+    }
+    for key, rows in others.items():
+        for name, value in rows[:1]:
+            more = f" and {len(rows) - 1} more" if len(rows) > 1 else ""
+            yield (
+                f"{name}{more} should be of {value} ({key} in the nest), the profile cuts {cut.name} of "
+                f"{cut.thickness_mm:g} mm: its kerf, feeds and pierces are for that"
+            )
 
 
 def _far_home(nest: Nest, profile: ProfileValues) -> Iterator[str]:

@@ -110,6 +110,21 @@ def test_a_far_home_is_told() -> None:
     assert list(placing_notes(FAR, Profile("shop", machine=Machine(home=(2901, 20))))) == []
 
 
+@pytest.mark.parametrize(
+    ("attributes", "told"),
+    [
+        ({"thickness": 10}, "A should be of 10 mm (thickness in the nest), the profile cuts S235 of 6 mm"),
+        ({"material": "1.4301"}, "A should be of 1.4301 (material in the nest), the profile cuts S235 of 6 mm"),
+        ({"thickness": 6.0, "material": "S355J2"}, ""),
+        ({"thickness": None, "material": "oak"}, ""),
+    ],
+)
+def test_parts_of_another_metal_than_the_profile_cuts_are_told(attributes: dict[str, object], told: str) -> None:
+    plate = replace(FAR.parts[0], attributes=attributes)
+    texts = list(placing_notes(replace(FAR, parts=(plate,)), replace(Profile("shop"), machine=CORNER.machine)))
+    assert [text.startswith(told) for text in texts] == ([True] if told else [])
+
+
 def test_a_sheet_beyond_the_travel_is_told() -> None:
     short = Machine(home=(2950, 0), travel_x_mm=(0, 3050))
     (text,) = placing_notes(FAR, Profile("shop", machine=short))
