@@ -126,7 +126,7 @@ def facts_command(output: str | None, **given: Any) -> None:
             f"cannot write facts as {Path(output).suffix or output!r}: give a name ending in .json or .dzn",
             file=output,
         )
-    from kerfwise.encoder.facts import facts_dzn, facts_json
+    from kerfwise.encoder.facts.export import facts_dzn, facts_json
     from kerfwise.jobs.request import facts_of
     from kerfwise.postproc.output_files import expect_outputs, write_files
 

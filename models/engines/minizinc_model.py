@@ -11,7 +11,7 @@ import numpy as np
 
 from kerfwise.arrays import Floats, Ints
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.facts import facts_dzn
+from kerfwise.encoder.facts.export import facts_dzn
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM, cost_um, points_um

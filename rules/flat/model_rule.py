@@ -452,7 +452,7 @@ _stated: WeakKeyDictionary[Facts, dict[tuple[ModelRule, Any], _Read]] = WeakKeyD
 
 def facts_data(facts: Facts) -> str:
     """The facts as MiniZinc data, kept as long as the facts live."""
-    from kerfwise.encoder.facts import facts_dzn
+    from kerfwise.encoder.facts.export import facts_dzn
 
     if facts not in _facts:
         _facts[facts] = facts_dzn(facts)

@@ -6,7 +6,8 @@ import pytest
 
 from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.facts import FactOptions, compute_facts, export, facts_dzn
+from kerfwise.encoder.facts import FactOptions, compute_facts, export
+from kerfwise.encoder.facts.export import facts_dzn
 from kerfwise.rules.case import nest, part, rect
 
 FIELDS = """\

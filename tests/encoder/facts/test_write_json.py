@@ -12,7 +12,8 @@ from hypothesis import given
 
 from kerfwise.encoder.candidates import LeadOptions, build_candidates
 from kerfwise.encoder.candidates.candidate import Candidate, CommonOptions
-from kerfwise.encoder.facts import FactOptions, Facts, compute_facts, facts_json
+from kerfwise.encoder.facts import FactOptions, Facts, compute_facts
+from kerfwise.encoder.facts.export import facts_json
 from kerfwise.encoder.facts.facts import LinkPath
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.small_holes import HoleLimits, with_small_holes

@@ -14,7 +14,8 @@ import pytest
 
 from kerfwise import InputError, Lock, Profile, RulesConflict
 from kerfwise.encoder.candidates import build_candidates
-from kerfwise.encoder.facts import compute_facts, facts_dzn
+from kerfwise.encoder.facts import compute_facts
+from kerfwise.encoder.facts.export import facts_dzn
 from kerfwise.encoder.minizinc_data import Fields
 from kerfwise.models.engines.minizinc_model import condition_arrays, conditions, data_text, model_text, rules_in_files
 from kerfwise.models.engines.solution import SolveOptions
