@@ -12,6 +12,7 @@ import pytest
 from kerfwise import load_profile
 from kerfwise.tests.commands.run_cli import Ended, kerfwise
 from kerfwise.tests.paper import pages_of
+from kerfwise.tests.tools.amount import rows
 from kerfwise.tests.tools.shipped import PROFILES
 
 PROFILE = Path(__file__).parents[2] / "examples" / "profiles" / "narrow-slots.yaml"
@@ -224,11 +225,12 @@ STOPS = [
     (old, upto, again) for old in ("nest.nc", "nest.plan.json") for upto, again in ((1, False), (1, True), (2, False))
 ]
 QUICK = (("nest.nc", 1, True), ("nest.plan.json", 2, False))
+"""By program and by plan, a cut made again and a later stop: these always run."""
 
 
 @pytest.mark.parametrize(
     ("old", "upto", "again"),
-    [pytest.param(*stop, marks=pytest.mark.slow if stop not in QUICK else ()) for stop in STOPS],
+    rows(sorted(STOPS, key=lambda stop: stop not in QUICK), len(QUICK)),
 )
 def test_work_with_slits_goes_on_after_a_stop(tmp_path: Path, old: str, upto: int, again: bool) -> None:
     nest = nest_file(tmp_path, OPENED["two of them"][0])

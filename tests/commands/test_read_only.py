@@ -101,7 +101,7 @@ def test_nothing_may_be_written_there(place: Path) -> None:
             ("engines",),
             ("--version",),
         ],
-        4,
+        2,
     ),
 )
 def test_what_writes_nothing_works(words: tuple[str, ...], place: Path) -> None:
