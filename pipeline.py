@@ -165,17 +165,21 @@ def plan_nest(
             planned = plan_request(
                 request, profile, left, method, progress, watchers.found, simulated=simulated, move_zones=True
             )
-            promise = None if watchers.planned is None else watchers.planned(planned.plan)
-            as_cut = planned.facts.whole_nest
-            if (as_cut.drawn or as_cut) is not (nest.drawn or nest) or profile is not inputs.profile:
-                promise = None  # of another nest, or by another profile, than `inputs` have
-            finished = verified(planned, profile, promise=promise)
+            finished = verified(planned, profile, promise=_promised(watchers, planned, inputs, profile))
     except RulesConflict as error:
         raise _no_plan(
             error, facts, profile, limit, listener, ways_on(limits, method.engine, relax, error.proven)
         ) from error
     limit.ended(finished.judging_s)
     return FinishedPlan(Inputs(nest, profile), finished.facts, finished)
+
+
+def _promised(watchers: Watchers, planned: Planned, inputs: Inputs, profile: Profile) -> Promise | None:
+    """What is promised of a plan that is told; nothing of another nest, or by another profile, than `inputs` have."""
+    promise = None if watchers.planned is None else watchers.planned(planned.plan)
+    as_cut, nest = planned.facts.whole_nest, inputs.nest
+    same = (as_cut.drawn or as_cut) is (nest.drawn or nest) and profile is inputs.profile
+    return promise if same else None
 
 
 def _no_plan(

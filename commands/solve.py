@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -46,7 +47,6 @@ if TYPE_CHECKING:
     from kerfwise.models.plan.plan import Plan
     from kerfwise.pipeline import FinishedPlan, Promise, VerifiedPlan
 
-    from .judged_beside import JudgedBeside
     from .page_picture import DrawnBeside
 
 
@@ -243,8 +243,6 @@ def command(
 ) -> int:
     """Write a checked cutting program of NEST that keeps every hard rule of the profile."""
     began_s = counted_s()
-    from kerfwise.commands.judged_beside import JudgedBeside
-    from kerfwise.commands.page_picture import DrawnBeside
     from kerfwise.jobs.request import options_for
     from kerfwise.jobs.time_limits import CommandLimit
     from kerfwise.jobs.warm_up import search_beside
@@ -263,9 +261,10 @@ def command(
     start = None if start_path is None else _plan_at_hand(start_path, inputs)
     already = stopped.already_cut(inputs)
     of_plan = options_for(inputs.nest, inputs.profile, **limits)
-    beside = DrawnBeside(inputs.nest, outputs.suffix, inputs.profile.home_on(inputs.nest))
-    beside = (context := click.get_current_context()).with_resource(beside)
-    judging = context.with_resource(JudgedBeside(inputs.nest, inputs.profile))
+    beside, planned = _beside(inputs, outputs.suffix)
+    if method["first"] and gc.isenabled():  # 3 % of a first plan of 1000 contours, and nothing stays long after it
+        gc.disable()
+        click.get_current_context().call_on_close(gc.enable)
     whole = None
     if (time_s := limits["time_s"]) is not None:
         whole = CommandLimit(time_s, began_s, filter(None, [outputs.suffix]), beside=beside.draws)
@@ -278,7 +277,7 @@ def command(
             inputs,
             of_plan,
             Method(limits["engine"], start=start, orders=orders, **method),
-            Watchers(listener, print_note, planned=partial(_begin_beside, beside, judging)),
+            Watchers(listener, print_note, planned=planned),
             already=already,
             relax=relax,
             whole=whole,
@@ -295,10 +294,20 @@ def command(
     return code
 
 
-def _begin_beside(drawn: DrawnBeside, judged: JudgedBeside, plan: Plan) -> Promise | None:
-    """Have a plan drawn and judged by other processes."""
-    drawn.begin(plan)
-    return judged.begin(plan)
+def _beside(inputs: Inputs, suffix: str | None) -> tuple[DrawnBeside, Callable[[Plan], Promise | None]]:
+    """The processes that draw and judge a plan, as long as the command runs, and what tells both of it."""
+    from .judged_beside import JudgedBeside
+    from .page_picture import DrawnBeside
+
+    context, nest = click.get_current_context(), inputs.nest
+    drawn = context.with_resource(DrawnBeside(nest, suffix, inputs.profile.home_on(nest)))
+    judged = context.with_resource(JudgedBeside(nest, inputs.profile))
+
+    def planned(plan: Plan) -> Promise | None:
+        drawn.begin(plan)
+        return judged.begin(plan)
+
+    return drawn, planned
 
 
 def _finish(
