@@ -20,9 +20,7 @@ from kerfwise.postproc.verdict.check_plan import check_plan, handed_on, taken_ov
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
 
-FROM_CONTOURS = 300
-"""With fewer, a process takes longer to set out than it saves."""
-LEAST_CORES = 2
+from .page_picture import FROM_CONTOURS, LEAST_CORES
 
 
 class JudgedBeside(Beside):
@@ -36,7 +34,7 @@ class JudgedBeside(Beside):
         self._nest, self._profile = nest, profile
         shipped = all(RULES.get(name) is rule for name, rule in profile.rulebook().items())
         many = len(nest.contours) >= FROM_CONTOURS and len(machine_cores()) >= LEAST_CORES
-        self._pays = many and shipped and profile.temperature_limit() is None
+        self.pays = many and shipped and profile.temperature_limit() is None
 
     def begin(self, plan: Plan) -> Promise | None:
         """Judge a plan; what comes of it is asked for later."""
@@ -48,10 +46,6 @@ class JudgedBeside(Beside):
             return None if answer is None else taken_over(answer, self._nest, plan, self._profile)
 
         return verdict
-
-    def __enter__(self) -> JudgedBeside:
-        """Have the process set out, and measure the nest."""
-        return super().__enter__() if self._pays else self
 
 
 def _judge(hear: Hear, nest: Nest, profile: Profile) -> Iterator[object]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Self
 
 from kerfwise.app_modules import app_module
 from kerfwise.encoder.geometry.segment import Point
@@ -31,22 +30,16 @@ LEAST_CORES = 2
 class DrawnBeside(Beside):
     """A picture of a plan that is going to be made and judged; its process begins and ends with the context.
 
-    Where it does not pay, nothing is drawn beside: see `pays`. `nest`: what is drawn; of what was found out about it
-    nothing is handed on to a process that sets out from nothing. `suffix`: of the picture: ".svg", ".png" or ".pdf"; of
-    anything else, or None, there is no drawing. `home`: where the torch starts and ends, mm.
+    Of what was found out about the `nest` nothing is handed on to a process that sets out from nothing. `suffix`: of
+    the picture: ".svg", ".png" or ".pdf"; of anything else, or None, there is no drawing. `home`: where the torch
+    starts and ends, mm.
     """
 
     def __init__(self, nest: Nest, suffix: str | None, home: Point) -> None:
         super().__init__(_draw, nest, suffix, home)
-        self.draws = self.pays(nest, suffix)
-        """Whether a plan that it is told of is drawn beside, as far as is known before there is one."""
-        self._plan: Plan | None = None
-
-    @staticmethod
-    def pays(nest: Nest, suffix: str | None) -> bool:
-        """Whether it is quicker than to draw afterwards."""
         drawing = suffix is not None and suffix.lower() != PAGE
-        return drawing and len(nest.contours) >= FROM_CONTOURS and len(machine_cores()) >= LEAST_CORES
+        self.pays = drawing and len(nest.contours) >= FROM_CONTOURS and len(machine_cores()) >= LEAST_CORES
+        self._plan: Plan | None = None
 
     def begin(self, plan: Plan) -> None:
         """Draw a plan whose rules have not been judged yet."""
@@ -59,10 +52,6 @@ class DrawnBeside(Beside):
             return None
         picture: bytes | None = self.answer()
         return picture
-
-    def __enter__(self) -> Self:
-        """Have the process set out; a large nest is measured and planned meanwhile."""
-        return super().__enter__() if self.draws else self
 
 
 def _draw(hear: Hear, nest: Nest, suffix: str, home: Point) -> Iterator[bytes]:

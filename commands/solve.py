@@ -267,7 +267,7 @@ def command(
         click.get_current_context().call_on_close(gc.enable)
     whole = None
     if (time_s := limits["time_s"]) is not None:
-        whole = CommandLimit(time_s, began_s, filter(None, [outputs.suffix]), beside=beside.draws)
+        whole = CommandLimit(time_s, began_s, filter(None, [outputs.suffix]), beside=beside.pays)
     listener = ProgressLine()
     orders, foretold = _distortion(inputs, start)
     if limits["engine"] in ("portfolio", "search"):

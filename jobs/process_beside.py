@@ -37,6 +37,8 @@ class Beside:
 
     def __init__(self, work: Callable[..., Iterator[object]], *given: object) -> None:
         self._work, self._given = work, given
+        self.pays = True
+        """Whether the process is begun."""
         self.process: BaseProcess | None = None
         self._way: Connection | None = None
         self._sent: threading.Thread | None = None
@@ -67,7 +69,9 @@ class Beside:
             return None
 
     def __enter__(self) -> Self:
-        """Have the process set out."""
+        """Have the process set out, where that pays."""
+        if not self.pays:
+            return self
         forked = sys.platform == "linux" and threading.active_count() == 1
         context = get_context("fork" if forked else "spawn")
         with contextlib.suppress(OSError), warnings.catch_warnings():  # no process can be started: there is no answer
