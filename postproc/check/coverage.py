@@ -85,9 +85,12 @@ def first_cuts(nest: Nest, cuts: CutSequence) -> CutSequence:
         if cut.contour in nest.index:
             kept.setdefault(cut.contour, cut)
         places.append(len(kept) + 1)
-    begun = tuple((places[k - 1], cut) for k, cut in cuts.begun)
-    pierces = tuple(replace(hole, before=places[hole.before - 1]) for hole in cuts.pierces)
-    return replace(cuts, cuts=tuple(kept.values()), made=places[cuts.made] - 1, begun=begun, pierces=pierces)
+    past = len(kept) - len(cuts)
+    places_of = dict(enumerate(places, 1))  # a damaged plan names some that no cut has
+    begun = tuple((places_of.get(k, k + past), cut) for k, cut in cuts.begun)
+    pierces = tuple(replace(hole, before=places_of.get(hole.before, hole.before + past)) for hole in cuts.pierces)
+    made = places_of.get(cuts.made + 1, 1) - 1
+    return replace(cuts, cuts=tuple(kept.values()), made=made, begun=begun, pierces=pierces)
 
 
 # What burns make of rings that no burn covers alone: stretches left open, burnt again, and tabs that are not there.

@@ -165,7 +165,8 @@ file.addEventListener("change", () => { if (file.files?.[0]) void take(file.file
 let waits = 0;
 filter.addEventListener("input", () => {
   clearTimeout(waits);
-  byId("more").querySelector("button")?.toggleAttribute("disabled", true); // it goes on with the list of before
+  asked += 1; // no row of the list of before is added any more
+  byId("more").querySelector("button")?.toggleAttribute("disabled", true);
   waits = setTimeout(() => void look(), FILTER_MS);
 });
 byId("sort").addEventListener("change", () => void look());

@@ -210,11 +210,11 @@ def test_little_work_that_finds_no_plan_is_followed_by_more(tmp_path: Path, monk
     (nest := tmp_path / "small.json").write_text(SMALL, encoding="utf-8")
     tried: list[tuple[float, float]] = []
 
-    def plan_nest(given: Any, limits: Any, **rest: Any) -> Any:
+    def plan_nest(given: Any, limits: Any, *rest: Any, **named: Any) -> Any:
         tried.append((limits.work, limits.memory_gb))
         if len(tried) < 3:
             raise NoPlan(RulesConflict("none was found within the limit"), cast(Any, None), given.profile)
-        return main_job.plan_nest(given, limits, **rest)
+        return main_job.plan_nest(given, limits, *rest, **named)
 
     monkeypatch.setattr(planner, "plan_nest", plan_nest)
     asking = SimpleNamespace(begin=lambda: None, tell=lambda **told: None, stopped=False, go_on=lambda: True)
