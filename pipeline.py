@@ -450,14 +450,16 @@ def verified(
     """
     began_s, facts, plan = running_s(), planned.facts, planned.plan
     nest, write, written = facts.whole_nest, write or write_program, None
-    if promise is not None:
+    if promise is None:
+        lawful = check_plan(nest, plan, profile) if lawful is None else lawful
+        program = write(replace(plan, state=lawful.state), nest, profile)  # the program says it, too
+    else:
         found = cache(lambda: promise() or check_plan(nest, plan, profile))
         draft = replace(plan, state=PlanState("broken"))  # who says that is never told to say less
-        text = write(draft, nest, profile)
-        written, lawful = check_written(nest, draft, text, profile, lambda: found().by_rules, trusted), found()
-    lawful = check_plan(nest, plan, profile) if lawful is None else lawful
-    plan = replace(plan, state=lawful.state)  # the program says it, too
-    program = write(plan, nest, profile)
+        program = write(draft, nest, profile)
+        written, lawful = check_written(nest, draft, program, profile, lambda: found().by_rules, trusted), found()
+        program = with_state(program, lawful.state)  # what was read back, but for that comment
+    plan = replace(plan, state=lawful.state)
     if written is not None and written.state.short() == lawful.state.short():
         verdict = judged_by_both(lawful, written, program)
     else:

@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.process_beside import Beside, Hear
-from kerfwise.models.jit import machine_cores
 from kerfwise.models.plan.plan import Plan
 from kerfwise.pipeline import Promise
 from kerfwise.postproc.check import CheckResult, check_cuts
@@ -20,7 +19,7 @@ from kerfwise.postproc.verdict.check_plan import check_plan, handed_on, taken_ov
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
 
-from .page_picture import FROM_CONTOURS, LEAST_CORES
+from .page_picture import is_worth_a_process
 
 
 class JudgedBeside(Beside):
@@ -33,8 +32,7 @@ class JudgedBeside(Beside):
         super().__init__(_judge, nest, profile)
         self._nest, self._profile = nest, profile
         shipped = all(RULES.get(name) is rule for name, rule in profile.rulebook().items())
-        many = len(nest.contours) >= FROM_CONTOURS and len(machine_cores()) >= LEAST_CORES
-        self.pays = many and shipped and profile.temperature_limit() is None
+        self.pays = is_worth_a_process(nest) and shipped and profile.temperature_limit() is None
 
     def begin(self, plan: Plan) -> Promise | None:
         """Judge a plan; what comes of it is asked for later."""

@@ -27,6 +27,11 @@ LEAST_CORES = 2
 """With one, two processes take as long as one after the other."""
 
 
+def is_worth_a_process(nest: Nest) -> bool:
+    """Whether what takes as long as a picture of the nest is quicker in a process beside this one."""
+    return len(nest.contours) >= FROM_CONTOURS and len(machine_cores()) >= LEAST_CORES
+
+
 class DrawnBeside(Beside):
     """A picture of a plan that is going to be made and judged; its process begins and ends with the context.
 
@@ -38,7 +43,7 @@ class DrawnBeside(Beside):
     def __init__(self, nest: Nest, suffix: str | None, home: Point) -> None:
         super().__init__(_draw, nest, suffix, home)
         drawing = suffix is not None and suffix.lower() != PAGE
-        self.pays = drawing and len(nest.contours) >= FROM_CONTOURS and len(machine_cores()) >= LEAST_CORES
+        self.pays = drawing and is_worth_a_process(nest)
         self._plan: Plan | None = None
 
     def begin(self, plan: Plan) -> None:

@@ -116,7 +116,7 @@ def compensated(nest: Nest, errors: Sequence[PartError], kind: Kind, kerf_mm: fl
         off = fitted(part, error, kind)
         before = change_of(part)
         change = Change(off.middle, (0.0 if before is None else before.by) - off.by)
-        corners = part.outer.polygon.exterior.envelope.exterior.coords[:4]
+        corners = part.outer.polygon.envelope.exterior.coords[:4]
         moved_mm, most_mm = np.hypot(*change.at(np.array(corners)).T).max(), MOST_SHARE * math.dist(*corners[::2]) / 2
         if moved_mm > most_mm:
             raise InputError(

@@ -80,16 +80,15 @@ def _done(kind: str) -> str:
 def first_cuts(nest: Nest, cuts: CutSequence) -> CutSequence:
     """The cuts that rules can judge: those of the nest's contours, each the first time it is cut."""
     kept: dict[str, Cut] = {}
-    places = [1]  # of each cut, and of what comes after the last, among those that are kept
-    for cut in cuts:
+    places = {1: 1}  # of each cut, and of what comes after the last, among those that are kept
+    for k, cut in enumerate(cuts, 2):
         if cut.contour in nest.index:
             kept.setdefault(cut.contour, cut)
-        places.append(len(kept) + 1)
-    past = len(kept) - len(cuts)
-    places_of = dict(enumerate(places, 1))  # a damaged plan names some that no cut has
-    begun = tuple((places_of.get(k, k + past), cut) for k, cut in cuts.begun)
-    pierces = tuple(replace(hole, before=places_of.get(hole.before, hole.before + past)) for hole in cuts.pierces)
-    made = places_of.get(cuts.made + 1, 1) - 1
+        places[k] = len(kept) + 1
+    past = len(kept) - len(cuts)  # a damaged plan names places that no cut has
+    begun = tuple((places.get(k, k + past), cut) for k, cut in cuts.begun)
+    pierces = tuple(replace(hole, before=places.get(hole.before, hole.before + past)) for hole in cuts.pierces)
+    made = places.get(cuts.made + 1, 1) - 1
     return replace(cuts, cuts=tuple(kept.values()), made=made, begun=begun, pierces=pierces)
 
 

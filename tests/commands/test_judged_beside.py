@@ -12,16 +12,21 @@ from pathlib import Path
 import pytest
 
 from kerfwise import pipeline
-from kerfwise.commands import judged_beside
+from kerfwise.commands import page_picture
 from kerfwise.commands.judged_beside import JudgedBeside
+from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.request import options_for
 from kerfwise.models.plan.plan import Plan
 from kerfwise.pipeline import FinishedPlan, Planned, Promise, VerifiedPlan, Watchers, plan_nest, verified
 from kerfwise.postproc.check import CheckResult
+from kerfwise.postproc.check.stated import with_state
+from kerfwise.postproc.dialects import dialect_names
+from kerfwise.postproc.nc.program import write_program
 from kerfwise.postproc.verdict.check_plan import check_plan
 from kerfwise.rules.judging.violation import Violation
+from kerfwise.rules.plan_state import PlanState
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.registry import RULES
@@ -32,8 +37,8 @@ PROFILE = load_profile()
 
 @pytest.fixture(autouse=True)
 def beside_on_small_nests(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(judged_beside, "FROM_CONTOURS", 1)
-    monkeypatch.setattr(judged_beside, "LEAST_CORES", 1)
+    monkeypatch.setattr(page_picture, "FROM_CONTOURS", 1)
+    monkeypatch.setattr(page_picture, "LEAST_CORES", 1)
 
 
 def finished(watchers: Watchers) -> FinishedPlan:
@@ -98,10 +103,28 @@ def test_it_is_not_begun_where_it_does_not_pay(
     contours: int, alone: tuple[FinishedPlan, Plan], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nor where a rule is not one of ours."""
-    monkeypatch.setattr(judged_beside, "FROM_CONTOURS", contours)
+    monkeypatch.setattr(page_picture, "FROM_CONTOURS", contours)
     profile: Profile = (
         PROFILE if contours > 1 else replace(PROFILE, further_rules={"level-ahead": copy(RULES["level-ahead"])})
     )
     with JudgedBeside(NEST, profile) as beside:
         assert beside.process is None
         assert beside.begin(alone[1]) is None
+
+
+def test_a_program_differs_from_the_one_read_back_in_what_it_says_of_its_state(
+    alone: tuple[FinishedPlan, Plan],
+) -> None:
+    """In every dialect that plasma has: the draft that is judged says that it is broken."""
+    written = 0
+    for name in dialect_names():
+        profile = replace(PROFILE, machine=replace(PROFILE.machine, dialect=name))
+        for state in (PlanState("kept"), alone[0].made.plan.state):
+            said_so = [replace(alone[1], state=one) for one in (PlanState("broken"), state)]
+            try:
+                draft, made = (write_program(plan, NEST, profile) for plan in said_so)
+            except InputError:
+                continue
+            assert with_state(draft, state) == made
+            written += 1
+    assert written >= 10
