@@ -100,7 +100,8 @@ WORDS = {
 
 def files() -> list[str]:
     found = (file.relative_to(HOUSE).as_posix() for file in HOUSE.rglob("*.py"))
-    return sorted(f for f in found if f.endswith(OTHER_HALF) or not f.startswith((*ABOVE, ".", "build/", "dist/")))
+    ours = (file for file in found if not file.startswith((".", "build/", "dist/")))  # `pip install .` leaves a build
+    return sorted(file for file in ours if file.endswith(OTHER_HALF) or not file.startswith(ABOVE))
 
 
 def named(text: str, file: str = "") -> Iterator[str]:

@@ -224,7 +224,8 @@ def test_no_shipped_profile_is_quicker_than_its_words() -> None:
     assert [note for name in shipped_profiles() for note in load_profile(name).time_and_price_notes()] == []
 
 
-def test_the_command_line_tells_once_that_a_law_is_left_out() -> None:
+def test_the_command_line_tells_once_that_a_law_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     ended = kerfwise("profile", "check", "laser-st10kp-2mm")
     assert (ended.code, "feed law" in ended.err) == (0, False)
     nest = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
