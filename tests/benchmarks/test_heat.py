@@ -125,6 +125,7 @@ def test_bridges_are_cut_at_the_end_and_nothing_is_left() -> None:
     assert burns[4].seconds == pytest.approx(20 * BRIDGE_MM / 100)
 
 
+@pytest.mark.full
 def test_a_strip_cut_off_along_one_edge_bends_as_beam_theory_and_formulas_for_seams_say() -> None:
     row = next(islice(camber(), 2, None))  # oxyfuel
     ours, hot, beam, okerblom, tendon, eccs = (float(cell) for cell in row.split("|")[2:8])

@@ -23,6 +23,7 @@ from kerfwise.models.plan.plan import Plan
 from kerfwise.pipeline import FinishedPlan, Watchers, plan_nest
 from kerfwise.postproc.report import draw
 from kerfwise.rules.profile.load import load_profile
+from kerfwise.tests.tools.amount import few
 
 SMALL = Path(__file__).parents[2] / "examples" / "nests" / "e1x_6.json"
 HOME = (0.0, 0.0)
@@ -56,7 +57,7 @@ def planned() -> tuple[FinishedPlan, Plan]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("suffix", [".svg", ".PNG", ".pdf"])
+@pytest.mark.parametrize("suffix", few([".svg", ".PNG", ".pdf"]))
 def test_it_is_the_picture_that_is_drawn_afterwards(planned: tuple[FinishedPlan, Plan], suffix: str) -> None:
     done, before = planned
     assert before.rules != done.made.plan.rules

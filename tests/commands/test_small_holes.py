@@ -59,6 +59,7 @@ def perforated(across_mm: float, count: int = 112) -> list[dict[str, object]]:
     ]
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_a_plate_of_112_holes_is_refused_in_one_line_and_freed_by_what_it_says(tmp_path: Path) -> None:
     nest = written(tmp_path, perforated(2.96))

@@ -46,6 +46,7 @@ def test_shortest_is_shortest_and_the_others_are_lawful(profile: Path, tmp_path:
     assert again != idle["random"]
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_a_price_on_overheats_buys_fewer_of_them(
     profile: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -19,7 +19,7 @@ def _plate(name: str, x: float, y: float) -> dict[str, Any]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "gap_mm"), rows([(name, gap) for name, gaps in APART.items() for gap in gaps], 2))
+@pytest.mark.parametrize(("name", "gap_mm"), rows([(name, gap) for name, gaps in APART.items() for gap in gaps], 1))
 def test_common_cuts_are_asked_for_and_do(name: str, gap_mm: float, tmp_path: Path) -> None:
     w, h = 100 + gap_mm, 60 + gap_mm
     parts = [_plate(f"P{i}{j}", 30 + i * w, 30 + j * h) for i in range(3) for j in range(3)]

@@ -196,6 +196,7 @@ def test_waits_hold_by_every_model_of_time(one_order: None) -> None:
     assert found.plan.cuts[1].dwell_s > 0
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_the_temperature_without_waits_is_that_of_the_plan_as_it_stands(one_order: None) -> None:
     """Burn by burn a plan is looked at with the waits before; the answer is about none at all."""

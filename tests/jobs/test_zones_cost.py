@@ -120,6 +120,7 @@ def test_it_is_printed_and_read_back(tmp_path: object) -> None:
     assert read_plan(file).zones_cost == told
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_zones_without_a_number_move_where_that_pays(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(zones, "MOST_OF_ONE", 100)

@@ -24,7 +24,7 @@ from kerfwise.tests.metal.common_nests import block, grid
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.plant import plant
 from kerfwise.tests.metal.simulate import simulate
-from kerfwise.tests.tools.amount import examples
+from kerfwise.tests.tools.amount import examples, rows
 
 KERFS_MM = (0.2, 0.5, 1.5)
 
@@ -107,7 +107,7 @@ def stopped(seed: int, kerf_mm: float, parts: int) -> Iterator[tuple[Nest, Verif
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "kerf_mm"), [(4, 0.5), (15, 1.5)])
+@pytest.mark.parametrize(("seed", "kerf_mm"), rows([(4, 0.5), (15, 1.5)]))
 def test_what_is_left_of_a_block_after_a_stop(seed: int, kerf_mm: float) -> None:
     """Both judges take what the program says is cut, and find every edge that is left burnt once."""
     rests = list(stopped(seed, kerf_mm, 5))

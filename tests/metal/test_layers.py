@@ -42,6 +42,7 @@ def test_programs_of_made_nests_burn_no_part_and_leave_no_face(seed: int, kind: 
     assert [str(one) for one in simulate_layers(nest, program, profile)] == []
 
 
+@pytest.mark.full
 def test_a_run_may_be_longer_than_the_round_and_not_come_after_it() -> None:
     made = planned(LONG_RUN, "edges")
     assert made is not None

@@ -165,6 +165,7 @@ def test_nests_whose_kerfs_meet_are_planned_so_that_nothing_loose_is_cut(seed: i
     planned_or_refused(seed, 0.2)
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_so_are_many() -> None:
     planned = [planned_or_refused(seed, 0.2) for seed in range(100, 140)]

@@ -27,7 +27,7 @@ def test_two_of_three_always(seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("asked", "found"),
-    rows([([HERE], 0), ([HERE, "--all"], 2), ([HERE, "-m", "full"], 2), ([f"{HERE}::test_only_with_all"], 1)], 2),
+    rows([([HERE], 0), ([HERE, "--all"], 2), ([HERE, "-m", "full"], 2), ([f"{HERE}::test_only_with_all"], 1)]),
 )
 def test_they_run_when_asked_for(asked: list[str], found: int) -> None:
     command = [sys.executable, "-m", "pytest", "--collect-only", "-q", *asked]

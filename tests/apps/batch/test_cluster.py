@@ -53,6 +53,7 @@ class Killing(Watcher):
         self.worker.kill()
 
 
+@pytest.mark.full
 def test_every_nest_is_done_once_though_a_worker_is_killed(tmp_path: Path) -> None:
     given, options = write_nests(tmp_path / "in", NAMES), Options(work=0.2)
     machines, told = Machines((machine_of("plasma", "plasma-carbon-steel", False),)), []

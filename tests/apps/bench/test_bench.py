@@ -100,6 +100,7 @@ def test_a_broken_file_is_one_message(tmp_path: Path) -> None:
         measure(BenchJob(str(broken)))
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_a_broken_file_among_others_is_told_and_the_others_are_run(tmp_path: Path) -> None:
     (tmp_path / "empty.sop").write_text("")

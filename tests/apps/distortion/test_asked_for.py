@@ -28,8 +28,8 @@ OXYFUEL = "based_on: oxyfuel-thick-plate\nsmall_holes: {under: skip}\n"
 
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Cells of some 20 mm: what is told of an error is looked at, not the error."""
-    monkeypatch.setattr(predict, "CELLS", 600)
+    """Cells of some 30 mm: what is told of an error is looked at, not the error."""
+    monkeypatch.setattr(predict, "CELLS", 300)
 
 
 def small(folder: Path, **keys: Any) -> Path:
@@ -107,7 +107,7 @@ def test_a_price_on_distortion_needs_one_simulation(tmp_path: Path) -> None:
 
 def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """A search of some twenty simulations on a mesh of a few hundred cells."""
-    for name, value in {"SWEEPS": 1, "WAYS": 6, "STEPS_EACH": 0, "FEWEST": 12, "CELLS": 300}.items():
+    for name, value in {"SWEEPS": 1, "WAYS": 6, "STEPS_EACH": 0, "FEWEST": 12, "CELLS": 150}.items():
         monkeypatch.setattr(straighter, name, value)
 
 

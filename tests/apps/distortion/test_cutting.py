@@ -159,6 +159,7 @@ def test_wood_has_no_strength_here() -> None:
         cut_sheet(nest, around(nest, *ORDER), wood, HOW)
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_two_torches_at_one_time_are_as_one_of_twice_the_power_that_is_now_here_now_there() -> None:
     """In turns of a second; and quite unlike one torch that cuts one plate and then the other."""

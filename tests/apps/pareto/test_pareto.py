@@ -21,7 +21,7 @@ NEST = Path(package.__file__).parent / "examples" / "nests" / "e1x_6.json"
 
 @pytest.mark.slow
 def test_every_point_is_a_plan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("kerfwise.jobs.cooler_orders.ORDERS", 15)
+    monkeypatch.setattr("kerfwise.jobs.cooler_orders.ORDERS", 5)
     profile = tmp_path / "hot.yaml"
     profile.write_text("based_on: plasma-carbon-steel\nheat: {limit_c: 90}\n", encoding="utf-8")
     plot, plans = tmp_path / "front.png", tmp_path / "plans"

@@ -155,6 +155,7 @@ def test_a_pdf_is_read_back() -> None:
     assert ((red > 200) & (green < 100) & (blue < 100)).sum(axis=1).max() > page.size[0] / 2, "the red line is drawn"
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_many_cuts_go_on_to_more_pages_and_every_number_can_be_read() -> None:
     small = [{"id": f"P{k}", "outer": rect(20 + 60 * (k % 15), 20 + 60 * (k // 15), 50, 50)} for k in range(75)]

@@ -13,6 +13,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.browser]
 ERRORS = "[...app.stages[0].bent.errors(app.stages[0].scenery, app.state.time_s)]"
 
 
+@pytest.mark.full
 def test_the_sheet_moves_along_the_time_line(look: Look, planned: Tab, served: Served) -> None:
     at = look(planned)
     at.page.click("#bent")

@@ -175,6 +175,7 @@ def hang_up(tab: Tab, question: str, said: dict[str, Any], when: Any) -> None:
 EFFECT = {"changes": [{"rule": "heat-lag", "key": "weight", "to": "80 mm"}]}
 
 
+@pytest.mark.full
 def test_an_effect_is_cancelled_where_nobody_waits_for_it(opened: Open, plate: Tab, served: Served) -> None:
     turns = served.server.planning.turns
     tab = opened()
@@ -192,6 +193,7 @@ def test_an_effect_is_cancelled_where_nobody_waits_for_it(opened: Open, plate: T
     assert told["before"]["status"] == told["after"]["status"] == "optimal"
 
 
+@pytest.mark.full
 def test_what_was_ended_early_is_no_measure_of_the_next_effect(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)  # a planner works in the nest's folder
     nest = tmp_path / "plate40.json"
@@ -301,6 +303,7 @@ def test_a_locked_place_asks_for_no_facts_anew(sixteen: Path) -> None:
         facts("locks: [P1.outer position 99]\n")
 
 
+@pytest.mark.full
 def test_plans_are_shown_under_a_price_of_heat_and_the_priced_one_takes_their_place(
     sixteen: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

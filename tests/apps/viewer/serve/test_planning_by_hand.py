@@ -57,6 +57,7 @@ def lock_in_words(at: AtPage, *lines: str) -> None:
         at.page.wait_for_selector(f"#hands-locks li:has-text('{line[:7]}')")
 
 
+@pytest.mark.full
 @MOUSE_FIRST
 def test_two_alternatives_under_one_cursor(look: Look, planned: Tab, wide: int) -> None:
     planned.edit({"lock": "C.outer first"})
@@ -94,6 +95,7 @@ def test_two_alternatives_under_one_cursor(look: Look, planned: Tab, wide: int) 
     assert planned.state()["shown"] == 1
 
 
+@pytest.mark.full
 def test_planning_is_cancelled_and_another_nest_waits_for_it(look: Look, plate: Tab, planned: Tab) -> None:
     at, other = look(plate), look(planned)
     plate.post("solve", 202, work=200)

@@ -225,6 +225,7 @@ def test_a_move_that_the_locks_force(profile_of) -> None:
     ]
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_seconds_that_nothing_fills(profile_of) -> None:
     found = clash(PAIR, profile_of(*COOLING))

@@ -55,6 +55,7 @@ def test_one_contour_locked_at_two_positions_is_refused_before_any_plan() -> Non
     ]  # fmt: skip
 
 
+@pytest.mark.full
 @pytest.mark.slow
 def test_two_positions_at_odds_are_named_and_one_is_let_go() -> None:
     facts, profile = locked(Lock(contour="P1.outer", position=5), Lock(contour="P2.outer", position=5))
