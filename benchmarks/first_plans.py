@@ -44,7 +44,9 @@ NEAR = 0.05, 0.01
 HEAD = """\
 Made by `python -m kerfwise.benchmarks.first_plans {given}`
 with kerfwise {kerfwise}, Python {python}: seconds by the clock from the nest that is read, {work:g} of work, costs in m
-(`+ 1`: with an excuse). {peer}
+(`+ 1`: with an excuse). The last three columns are idle travel of plans that keep no rule: the nearest pierce always;
+the same with what lies in a contour before it; and OR-Tools' routing library under that one rule, as long as the last
+plan took.
 
 | nest | first, s | its cost | 5 %, s | 1 %, s | proof, s | last plan | idle, m | nearest | inner first | OR-Tools |
 |---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"""
@@ -72,10 +74,6 @@ class Row:
         lengths = ["–" if mm is None else f"{mm / 1000:.2f}" for mm in idle_mm]
         cells = [self.name, f"{self.first_s:.1f}", cost(self.first_mm), *seconds, cost(self.last_mm), *lengths]
         return f"| {' | '.join(cells)} |"
-
-
-PEER = """The last three columns are idle travel of plans that keep no rule: the nearest pierce always, the same with what
-lies in a contour before it, and OR-Tools' routing library under that one rule, searching as long as the last plan took."""
 
 
 def reached_s(heard: list[tuple[float, float]], last_mm: float, near: float) -> float | None:
@@ -205,11 +203,7 @@ def main() -> None:
     load_kernels()
     told = json.dumps(given.contours).strip("[]").replace(",", "")
     named = f"--contours {told} --nests {' '.join(given.nests)} --seed {given.seed} --work {given.work:g}"
-    print(
-        HEAD.format(
-            given=named, kerfwise=kerfwise.__version__, python=platform.python_version(), work=given.work, peer=PEER
-        )
-    )
+    print(HEAD.format(given=named, kerfwise=kerfwise.__version__, python=platform.python_version(), work=given.work))
     for one in nests_of(given):
         with multiprocessing.get_context("spawn").Pool(1) as pool:
             print(pool.apply(row, (one,)), flush=True)
