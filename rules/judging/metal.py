@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Bools, Floats, Ints
+from kerfwise.arrays import Bools, Floats, Ints, concat_ranges
 from kerfwise.encoder.nest import Contour, Nest, cached_with_nest
 
 # It is looked up once: which parts may take metal from around which, and which see each other over metal.
@@ -26,6 +26,10 @@ SIGHT_STRIPS = 1.0
 
 ISLAND_STRIPS = 10.0
 """A piece of metal wider than so many strips is a plate of its own, not an island."""
+IN_STRIP = 0.5
+"""A part lies in vanished metal if this share of its area does."""
+SURE, SPECK_MM = 0.95, 1e-3
+"""What corners of buffers, and rounding, may take of what boxes show, and of a box."""
 KEPT = 8
 """So many sets of parts out are kept for each part that is in no strip with them."""
 
@@ -74,6 +78,7 @@ class Metal:
         self._around: dict[int, Around] = {}
         shapely.prepare(self.swept)
         shapely.prepare(self.grown)
+        shapely.prepare(self.stiff)
 
     @cached_property
     def sights(self) -> Sights:
@@ -99,26 +104,62 @@ class Metal:
     def around(self, q: int) -> Around:
         """What may take metal from around part `q`."""
         if q not in self._around:
-            window = self._windows[q].tolist()  # farther metal holds none of half a strip around the part
-            of = slice(*self.near.begin[q : q + 2].tolist())
-            stiff = shapely.clip_by_rect(self.stiff, *window)
-            self._around[q] = Around(self.near.part[of], self.near.takes[of], self.near.towards[of], stiff)
+            self.look_around(np.array([q]))
         return self._around[q]
 
+    def look_around(self, parts: Ints) -> None:
+        """Look up what may take metal from around these parts, for all at once; what is known is not asked again."""
+        parts = np.array([q for q in parts.tolist() if q not in self._around], dtype=np.int64)
+        pairs, begin = self.pairs, self.pairs.begin
+        q = np.repeat(parts, begin[parts + 1] - begin[parts])
+        near = pairs.part[concat_ranges(begin[parts], begin[parts + 1] - begin[parts])]
+        order = np.lexsort((near, shapely.distance(self.areas[near], self.areas[q]), q))
+        q, near = q[order], near[order]
+        ends = shapely.get_coordinates(shapely.shortest_line(self.middle[q], self.areas[near])).reshape(-1, 2, 2)
+        takes, towards = shapely.intersects(self.swept[near], self.areas[q]), ends[:, 1] - ends[:, 0]
+        for part in parts.tolist():
+            of = slice(*np.searchsorted(q, [part, part + 1]).tolist())
+            window = self._windows[part].tolist()  # farther metal holds none of half a strip around the part
+            self._around[part] = Around(near[of], takes[of], towards[of], shapely.clip_by_rect(self.stiff, *window))
+
     @cached_property
-    def near(self) -> Near:
-        """What may take metal from around every part: looked up for all at once."""
+    def pairs(self) -> Pairs:
+        """What may take metal from around every part, and how the boxes of both lie."""
         boxes = shapely.box(*(self._bounds + 1.5 * self.strip_mm * np.array([-1, -1, 1, 1])).T)
         q, near = self.tree.query(boxes)
         q, near = q[q != near], near[q != near]
         meets = shapely.intersects(self.swept[near], shapely.box(*self._windows.T)[q])
         q, near = q[meets], near[meets]
-        order = np.lexsort((near, shapely.distance(self.areas[near], self.areas[q]), q))
+        order = np.lexsort((near, q))
         q, near = q[order], near[order]
-        ends = shapely.get_coordinates(shapely.shortest_line(self.middle[q], self.areas[near])).reshape(-1, 2, 2)
-        takes = shapely.intersects(self.swept[near], self.areas[q])
-        begin = np.searchsorted(q, np.arange(len(self.areas) + 1))
-        return Near(begin, q, near, takes, ends[:, 1] - ends[:, 0])
+        window, taken = self._windows[q], shapely.bounds(self.swept)[near]
+        beyond, far = taken[:, [2, 3, 0, 1]], window[:, [2, 3, 0, 1]]
+        side = ((far - beyond) / (far - window)).argmax(axis=1)
+        return Pairs(np.searchsorted(q, np.arange(len(self.areas) + 1)), q, near, side, beyond[np.arange(len(q)), side])
+
+    def surely_wide(self, out: Bools) -> Bools:
+        """Parts that are in no strip with the second of these pairs (pairs,) out, as boxes show.
+
+        Of half a strip around each, what is taken by those that are out lies beside a box; that box is stiff, and wide
+        with half a strip around it.
+        """
+        first, last = self._stiff_boxes[:, :2].copy(), self._stiff_boxes[:, 2:].copy()
+        for axis in (0, 1):
+            low, high = (np.flatnonzero(out & (self.pairs.side == side)) for side in (axis, axis + 2))
+            np.maximum.at(first[:, axis], self.pairs.of[low], self.pairs.beyond[low])
+            np.minimum.at(last[:, axis], self.pairs.of[high], self.pairs.beyond[high])
+        part, corner_mm = self._bounds, SURE * self.strip_mm / 2 * math.sqrt(0.5)
+        held = np.minimum(last + corner_mm, part[:, 2:]) - np.maximum(first - corner_mm, part[:, :2])
+        lost = (part[:, 2:] - part[:, :2]).prod(axis=1) - np.maximum(held, 0.0).prod(axis=1)
+        wide = (last - first > SPECK_MM).all(axis=1) & (lost < SURE * IN_STRIP * self.size)
+        wide[wide] = shapely.covers(self.stiff, shapely.box(*first[wide].T, *last[wide].T))
+        return np.asarray(wide)
+
+    @cached_property
+    def _stiff_boxes(self) -> Floats:
+        """Of half a strip around each part, what the metal with every part in may be stiff in."""
+        stiff = shapely.bounds(self.stiff)
+        return np.hstack([np.fmax(self._windows[:, :2], stiff[:2]), np.fmin(self._windows[:, 2:], stiff[2:])])
 
     @cached_property
     def _bounds(self) -> Floats:
@@ -131,14 +172,18 @@ class Metal:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Near:
-    """What `Around` has, of all parts: that of part q is from `begin[q]` to `begin[q + 1]`; `of` is q."""
+class Pairs:
+    """Parts (pairs,), and one `part` of each that may take metal from around it: those of q from `begin[q]` on.
+
+    Most is left of the metal around it from where that one ends `beyond` it, mm: on `side` 0 and 1 at greater x and y,
+    on 2 and 3 at less.
+    """
 
     begin: Ints
     of: Ints
     part: Ints
-    takes: Bools
-    towards: Floats
+    side: Ints
+    beyond: Floats
 
 
 class Wide:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, pairwise
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ import shapely
 from kerfwise.arrays import Bools, Floats, Ints, in_parallel
 from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest, cached_with_nest
-from kerfwise.rules.judging.metal import QUADRANT, Around, Badly, Island, Metal, host_holes, places
+from kerfwise.rules.judging.metal import IN_STRIP, QUADRANT, Around, Badly, Island, Metal, host_holes, places
 
 # Islands: pieces of metal with parts on them that parts that are out close off from the rest.
 #
@@ -155,9 +155,6 @@ def _wider(area: Any, by_mm: float) -> Box:
 #
 # Whether a part lies in one depends on nothing farther than the strip is wide.
 
-IN_STRIP = 0.5
-"""A part lies in vanished metal if this share of its area does."""
-
 
 class Strips:
     """The strips that form in the metal of one place while its parts are cut, each when `at` (parts,) says."""
@@ -178,13 +175,12 @@ class Strips:
 
         More parts out never widen a strip: what is in none just before it is cut itself was in none before.
         """
-        metal, near = self.metal, self.metal.near
-        before = self.at[near.part] < self.at[near.of]
-        takers = np.flatnonzero(before & near.takes)
-        begin = np.searchsorted(near.of[takers], np.arange(len(metal.parts) + 1)).tolist()
-        rows = (takers[first:last] for first, last in pairwise(begin))
-        both_sides = [q for q, row in enumerate(rows) if _two_sides(near.towards[row])]
-        out = {q: before[near.begin[q] : near.begin[q + 1]] for q in both_sides}
+        metal, pairs = self.metal, self.metal.pairs
+        before = self.at[pairs.part] < self.at[pairs.of]
+        some = np.flatnonzero((np.bincount(pairs.of[before], minlength=len(self.at)) > 1) & ~metal.surely_wide(before))
+        metal.look_around(some)
+        out = {q: self.at[metal.around(q).parts] < self.at[q] for q in some.tolist()}
+        both_sides = [q for q, gone in out.items() if self._on_both_sides(metal.around(q), np.flatnonzero(gone))]
         both_sides = [q for q in both_sides if not metal.wide.known(q, out[q])]
         found: dict[int, list[int]] = defaultdict(list)
         in_turn = {}

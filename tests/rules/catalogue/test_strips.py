@@ -26,7 +26,7 @@ from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.catalogue.no_narrow_strips import NoNarrowStrips, NoNarrowStripsOptions
 from kerfwise.rules.catalogue.no_narrow_strips import strips as strips_and_islands
 from kerfwise.rules.catalogue.no_narrow_strips.strips import Islands, Strips
-from kerfwise.rules.judging.metal import ISLAND_STRIPS, Badly
+from kerfwise.rules.judging.metal import ISLAND_STRIPS, Badly, Metal
 from kerfwise.tests.rules.judging.plain_strips import told_plainly
 from kerfwise.tests.rules.test_statements_agree import sheets
 from kerfwise.tests.tools.amount import examples
@@ -156,7 +156,33 @@ def test_close_looks_find_the_islands_that_a_look_at_all_finds(seed: int, chance
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Islands, "_closed_off", plainly_closed_off)
         patch.setattr(Islands, "_all_go_on", lambda islands, p: False)
+        patch.setattr(Metal, "surely_wide", seen_of_none)
         assert sorted(strips_and_islands._badly(replace(found), order, 60.0, 25.0), key=repr) == closely
+
+
+def seen_of_none(metal: Metal, out: Bools) -> Bools:
+    return np.zeros(len(metal.parts), dtype=np.bool_)
+
+
+@pytest.mark.parametrize("strip_mm", [25.0, 60.0, 110.0])
+def test_boxes_show_of_most_parts_that_they_are_in_no_strip(strip_mm: float) -> None:
+    """A plate cut at random: all but a few are seen to be wide, and of none of those a strip is found."""
+    order = [p.outer.id for p in plate(2).parts]
+    Random(7).shuffle(order)
+    seen: list[int] = []
+    shown = Metal.surely_wide
+
+    def noted(metal: Metal, out: Bools) -> Bools:
+        wide = shown(metal, out)
+        seen.append(int(wide.sum()))
+        return wide
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Metal, "surely_wide", noted)
+        told = [*strips_and_islands._badly(replace(plate(2)), order, strip_mm, 25.0)]
+        patch.setattr(Metal, "surely_wide", seen_of_none)
+        assert [*strips_and_islands._badly(replace(plate(2)), order, strip_mm, 25.0)] == told
+    assert sum(seen) > len(order) / 2
 
 
 def test_metal_is_seen_to_go_on_before_its_pieces_are_looked_for() -> None:
