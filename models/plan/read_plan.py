@@ -12,13 +12,16 @@ from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+import shapely
+
 from kerfwise.encoder.bevels.tilted_path import TiltedPath
 from kerfwise.encoder.cut import Cut, Pierce, Span, Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import places, read_limited, schema_message, strict_json, utf8_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.measures import MOST_MEETINGS, has_too_many_crossings
-from kerfwise.encoder.nest import CONTOUR_KINDS, Loss, Nest
+from kerfwise.encoder.nest import CHORD_MM, CONTOUR_KINDS, Loss, Nest, lines_of_contours
 from kerfwise.encoder.readers.drawing import LIMIT_MM, checked_curve
 from kerfwise.models.physics.time_and_cost import Cost, TimeReport
 from kerfwise.rules.plan_state import PlanState
@@ -414,19 +417,24 @@ def _named_otherwise(planned: PlannedCut, nest: Nest, number: int) -> str:
 
 def _not_of(plan: Plan, nest: Nest, once: bool) -> Iterator[str]:
     cut_at: dict[str, int] = {}
-    for number, planned in enumerate((*plan.already_cut, *plan.cuts), 1):
+    cuts = (*plan.already_cut, *plan.cuts)
+    known = [one.cut for one in cuts if one.cut.contour in nest.index]
+    entries = shapely.points(np.array([cut.entry for cut in known]).reshape(-1, 2))
+    off_mm = shapely.distance(lines_of_contours([nest.contour(cut.contour) for cut in known]), entries)
+    beside = iter((off_mm < OFF_MM - CHORD_MM).tolist())  # the others are measured from their lines and arcs
+    for number, planned in enumerate(cuts, 1):
         name, (x, y) = planned.cut.contour, planned.cut.entry
         if name not in nest.index:
             if number > len(plan.already_cut):
                 yield f"cut {number} is of {name!r}, which is no contour of it"
             continue
-        contour = nest.contour(name)
+        contour, is_beside = nest.contour(name), next(beside)
         if once and name in cut_at:
             yield f"cut {number} is of {name}, as cut {cut_at[name]} is already"
         elif says := _named_otherwise(planned, nest, number):
             yield says
-        elif (off_mm := contour.curve.project((x, y))[1]) > OFF_MM:
-            yield f"cut {number} enters {name} at ({x:.1f}, {y:.1f}), {off_mm:.1f} mm off it"
+        elif not is_beside and (far_mm := contour.curve.project((x, y))[1]) > OFF_MM:
+            yield f"cut {number} enters {name} at ({x:.1f}, {y:.1f}), {far_mm:.1f} mm off it"
         cut_at[name] = number
     for pierce in plan.pierces:
         if pierce.contour and pierce.contour not in nest.index:

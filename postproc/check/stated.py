@@ -10,10 +10,13 @@ import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import compress
 
+import numpy as np
 import shapely
 
 from kerfwise.encoder.cut import Cut, CutSequence
+from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.check.reader.program import Burn, NcProgram
 from kerfwise.rules.plan_state import PlanState
@@ -126,6 +129,7 @@ class CutTimes:
         of_cut, begun = {run.position: run for run in runs}, (run for run in runs if not run.position)
         pierced, at, now = self.cuts.pierced, self.cuts.home, 0.0
         leans = {c.id for c in (self.nest.drawn or self.nest).contours if c.bevelled}
+        in_metal = self._surely_pierced()
         loose = False  # where bevels and blocks of torches end nobody follows here
         for position, cut in self.cuts.new_burns:
             run = of_cut.get(position) if self.cuts.finishes(position, cut) else next(begun, None)
@@ -140,7 +144,7 @@ class CutTimes:
                 yield from self._way(name, cut.start_s - now, 0.0 if cut.linked else math.dist(at, cut.pierce))
             loose = cut.contour in leans
             if run is not None and not loose:
-                yield from self._cut(name, position, cut, run)
+                yield from self._cut(name, cut, run, position not in self.unpierced and cut.pierce in in_metal)
             at, now = end_of(self.nest, cut), cut.end_s
         if not loose:
             yield from self._way("the machine's home", self.total_s - now, math.dist(at, self.cuts.home))
@@ -153,7 +157,7 @@ class CutTimes:
         least_s = machine.pierce_time_s if pierced else min(machine.at_hole_s, machine.unpierced_s)
         return least_s, machine.pierce_time_s if pierced else max(machine.pierce_time_s, machine.unpierced_s)
 
-    def _cut(self, name: str, position: int, cut: Cut, run: TorchRun) -> Iterator[str]:
+    def _cut(self, name: str, cut: Cut, run: TorchRun, pierced: bool) -> Iterator[str]:
         machine, time = self.profile.machine, self.profile.time
         feed = machine.mark_feed_mm_s if run.marks else machine.cut_feed_mm_s
         if time.model == "blocks" and time.feed_by_blocks is not None and not run.marks:
@@ -165,14 +169,19 @@ class CutTimes:
         most_s = whole_mm / (feed * low)
         if time.model == "acceleration":
             most_s += self._stops_s(cut, feed * low)
-        stands = (0.0, 0.0) if cut.linked else self._stands(self._surely_pierced(position, cut), run.marks)
+        stands = (0.0, 0.0) if cut.linked else self._stands(pierced, run.marks)
         says_s = cut.end_s - cut.start_s
         yield from self._beyond(name, says_s, stands[0] + run.length_mm / (feed * high), stands[1] + most_s)
 
-    def _surely_pierced(self, position: int, cut: Cut) -> bool:
+    def _surely_pierced(self) -> set[Point]:
+        """Where cuts begin in the metal of the sheet, which they pierce but in older kerfs."""
+        if self.profile.cuts.pierce_pass is not None:
+            return set()
         inner = shapely.buffer(shapely.make_valid(self.nest.sheet.polygon), -tolerance_mm())
-        old = position in self.unpierced or self.profile.cuts.pierce_pass is not None
-        return not old and bool(shapely.contains(inner, shapely.Point(cut.pierce)))
+        shapely.prepare(inner)
+        points = [cut.pierce for _, cut in self.cuts.new_burns]
+        inside = shapely.contains_xy(inner, np.array(points).reshape(-1, 2))
+        return set(compress(points, inside.tolist()))
 
     def _stops_s(self, cut: Cut, feed_mm_s: float) -> float:
         """How much longer a cut takes at the most where the torch speeds up and stops on every line and arc."""
