@@ -181,7 +181,7 @@ def _rows() -> Iterator[str]:
 FILES = {
     "rule.py.txt": "rules/catalogue/{module}/__init__.py",
     "rule.mzn.txt": "rules/catalogue/{module}/{module}.mzn",
-    "cases.py.txt": "rules/catalogue/{module}/cases.py",
+    "cases.yaml.txt": "rules/catalogue/{module}/cases.yaml",
 }
 """Template → where what is made of it goes in a checkout."""
 OF_A_PLANT = {"python": ("outside.py.txt", ".py"), "mzn": ("outside.mzn.txt", ".mzn")}

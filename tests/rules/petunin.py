@@ -7,11 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from kerfwise.rule_kit import Direction
-from kerfwise.rules.catalogue.part_rigidity.cases import BEGIN, FIGURE_1
+from kerfwise.rule_kit import Direction, Point
+from kerfwise.rules.run_cases import cases_of
 
-__all__ = ["ABC", "BEGIN", "CBA", "FIGURE_1", "Answers"]
-
+FIGURE_1 = next(case.nest for case in cases_of("part-rigidity") if case.name == "each part ends where it is held")
+BEGIN: Mapping[str, Mapping[int, Point]] = {
+    "A": {1: (20, 290), 2: (30, 390), 3: (90, 390), 4: (110, 310)},
+    "B": {4: (120, 310), 5: (140, 390), 6: (200, 390), 7: (220, 310)},
+    "C": {7: (230, 310), 8: (310, 390), 9: (250, 390)},
+}
+"""Part → number of the point → where it meets the part; the cases give names to some of them."""
 Answers = Mapping[str, Mapping[int, set[Direction]]]
 ABC: Answers = {
     "A": {1: {"cw"}, 2: set(), 3: {"ccw"}, 4: {"cw", "ccw"}},

@@ -82,11 +82,11 @@ def checkout(root: Path) -> Path:
 
 def test_new_rule_is_three_files(tmp_path: Path) -> None:
     out = said("new", "bars-last", "--into", str(checkout(tmp_path)))
-    made = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*.*") if p.suffix in (".py", ".mzn"))
+    made = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*.*") if p.suffix in (".py", ".mzn", ".yaml"))
     assert made == [
         "rules/catalogue/bars_last/__init__.py",
         "rules/catalogue/bars_last/bars_last.mzn",
-        "rules/catalogue/bars_last/cases.py",
+        "rules/catalogue/bars_last/cases.yaml",
     ]
     assert '    "kerfwise.rules.catalogue.bars_last",\n' in (tmp_path / "pyproject.toml").read_text(encoding="utf-8")
     assert f"pip install -e {tmp_path.resolve()}" in out
@@ -97,12 +97,12 @@ def test_new_rule_is_three_files(tmp_path: Path) -> None:
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
-    taken = checkout(tmp_path) / "rules/catalogue/bars_last/cases.py"
+    taken = checkout(tmp_path) / "rules/catalogue/bars_last/cases.yaml"
     taken.parent.mkdir()
     taken.write_text("mine", encoding="utf-8")
     with pytest.raises(InputError, match="the file is there already"):
         new_rule("bars-last", tmp_path)
-    assert [p for p in tmp_path.rglob("*") if p.suffix in (".py", ".mzn")] == [taken]
+    assert [p for p in tmp_path.rglob("*") if p.suffix in (".py", ".mzn", ".yaml")] == [taken]
 
 
 NAMES = {

@@ -20,11 +20,12 @@ from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.check import CheckResult, check_cuts, check_program, report
 from kerfwise.rules.case import in_order, nest, part, rect
+from kerfwise.rules.case_file import model_cases
 from kerfwise.rules.flat import model_rule
 from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.run_cases import model_cases, run_cases
+from kerfwise.rules.run_cases import run_cases
 
 pytestmark = pytest.mark.minizinc
 
