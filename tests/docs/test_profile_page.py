@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from kerfwise.rules.profile.schema import profile_schema
+from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.docs.profile_page import profile_page
 
 
@@ -28,7 +29,7 @@ def test_docs_are_up_to_date() -> None:
 
 
 def test_every_key_of_the_schema_is_on_the_page() -> None:
-    schema = profile_schema()
+    schema = json.loads(kerfwise("profile", "schema").out)
     parts = {part.split("\n")[0]: part for part in profile_page().split("\n## ")}
     for section, inner in schema["properties"].items():
         if section not in parts:

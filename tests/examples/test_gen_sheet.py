@@ -11,9 +11,7 @@ from typing import Any
 import pytest
 import shapely
 
-from kerfwise.encoder.facts import FactOptions, compute_facts
-from kerfwise.encoder.readers import ReadOptions, read_nest
-from kerfwise.encoder.readers.json_nest import read_json
+import kerfwise
 from kerfwise.examples import gen_sheet
 from kerfwise.examples.gen_sheet import contour_count, make_sheet, sheet_size_mm
 
@@ -37,25 +35,26 @@ def test_the_same_seed_makes_the_same_sheet() -> None:
 def test_parts_lie_on_the_sheet_and_not_on_each_other(tmp_path: Path) -> None:
     file = tmp_path / "sheet.json"
     file.write_text(json.dumps(make_sheet(5, 150)), encoding="utf-8")
-    made = read_nest(file)
+    made = kerfwise.read_nest(file)
     assert not made.notes
     metal = shapely.union_all([p.polygon for p in made.parts])
     assert metal.area == pytest.approx(sum(p.polygon.area for p in made.parts))
     assert made.sheet.polygon.contains(metal)
-    facts = compute_facts(made, FactOptions())
+    facts = kerfwise.facts(made)
     assert len(facts.in_hull) > 0  # channels with a part in their mouth
     assert any(facts.parent[facts.nest.index[p.outer.id]] >= 0 for p in made.parts)  # frames that host parts
 
 
-def test_with_a_web_straight_edges_in_a_column_are_so_far_apart() -> None:
-    apart, close = (polygons(make_sheet(1, 60, web_mm=web)) for web in (None, 0.2))
+def test_with_a_web_straight_edges_in_a_column_are_so_far_apart(tmp_path: Path) -> None:
+    apart, close = (polygons(make_sheet(1, 60, web_mm=web), tmp_path / f"{web}.json") for web in (None, 0.2))
     assert [p.area for p in apart] == pytest.approx([p.area for p in close], rel=1e-4)
     assert pair_gaps(apart) == {12.0}
     assert pair_gaps(close) == {0.2, 12.0}
 
 
-def polygons(sheet: dict[str, Any]) -> list[shapely.Polygon]:
-    return [part.polygon for part in read_json(json.dumps(sheet).encode(), ReadOptions()).parts]
+def polygons(sheet: dict[str, Any], file: Path) -> list[shapely.Polygon]:
+    file.write_text(json.dumps(sheet), encoding="utf-8")
+    return [part.polygon for part in kerfwise.read_nest(file).parts]
 
 
 def pair_gaps(parts: list[shapely.Polygon]) -> set[float]:

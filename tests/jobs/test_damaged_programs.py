@@ -5,9 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise.apps.resequence.resequence import resequence
-from kerfwise.encoder.errors import InputError
-from kerfwise.jobs.programs import ProgramRequest
+from kerfwise import InputError, resequence
 from kerfwise.tests.postproc.old.programs import READ
 
 WORDS = (
@@ -43,7 +41,7 @@ def test_damaged_programs(seed: int, tmp_path: Path) -> None:
     for _ in range(20):
         file.write_text(damaged(rnd.choice(list(READ.values())).split("\n"), rnd))
         try:
-            made = resequence(file, work=0.3, request=ProgramRequest(feed_mm_min=1000), without_rules=True)
+            made = resequence(file, work=0.3, feed_mm_min=1000, without_rules=True)
         except InputError as error:
             ended["refused"] += 1
             if error.line is None and "never on" not in error.message:

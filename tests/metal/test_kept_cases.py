@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from kerfwise import InputError, load_profile, read_nest
-from kerfwise.jobs.inputs import Inputs, common_cuts_not_made
+from kerfwise import InputError, load_profile, read_nest, read_plan
 from kerfwise.rule_kit import nest, part, rect
 from kerfwise.tests.checked import checked
 from kerfwise.tests.commands.run_cli import kerfwise
@@ -20,21 +19,19 @@ from kerfwise.tests.metal.test_loose_metal import made
 CASES = Path(__file__).parent / "cases"
 
 
-def test_rounded_plates_in_a_grid_are_cut_by_whole_rounds_and_that_is_said() -> None:
+def test_rounded_plates_in_a_grid_are_cut_by_whole_rounds_and_that_is_said(tmp_path: Path) -> None:
     """Where two neighbours of one are out, its rounded corner between them is apart from the rest."""
-    sheet, profile = (
-        read_nest(CASES / "13-common-rounded-grid.json"),
-        load_profile(CASES / "13-common-rounded-grid.yaml"),
-    )
-    found = made(sheet, profile)
-    assert found.verdict.ok
-    assert all(planned.cut.span is None for planned in found.plan.cuts)
-    assert simulate(sheet, found.program, **plant(profile)) == []
-    assert common_cuts_not_made(Inputs(sheet, profile)) == (
+    drawing, plant_file = CASES / "13-common-rounded-grid.json", CASES / "13-common-rounded-grid.yaml"
+    program, plan = tmp_path / "grid.nc", tmp_path / "grid.plan.json"
+    ended = kerfwise("solve", drawing, "-p", plant_file, "--work", "0.3", "-o", program, "--plan", plan)
+    assert ended.code == 0
+    assert all(planned.cut.span is None for planned in read_plan(plan).cuts)
+    assert simulate(read_nest(drawing), program.read_text(), **plant(load_profile(plant_file))) == []
+    assert (
         "cuts.common: no common cuts for P00.outer, P01.outer, P10.outer, P11.outer: in any order some part would be "
         "left with two stretches to cut, as rounded corners between two neighbours are; these parts are all "
         "cut all round"
-    )
+    ) in ended.err
 
 
 def test_a_profile_without_leads_says_what_contradicts_it_and_what_to_do(tmp_path: Path) -> None:

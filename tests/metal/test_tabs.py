@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Literal
 
 import pytest
 
 import kerfwise
 from kerfwise import Nest, Profile, Result
-from kerfwise.encoder.cut import Tab
 from kerfwise.rule_kit import circle, nest, part, rect
 from kerfwise.tests.metal.findings import Finding
 from kerfwise.tests.metal.hand_made import KERF_MM, around, sheet, with_cut
@@ -78,8 +79,13 @@ def test_a_tab_that_is_cut_is_found_loose() -> None:
     assert by_kind(burnt(ROWS, profile, lit, found)) == {"part-not-held": 5}
 
 
-def test_a_drawn_tab_is_where_it_is_drawn() -> None:
-    drawn = replace(ROWS, parts=tuple(replace(p, tabs=(Tab((50, 20), 0.0),)) if p.id == "A" else p for p in ROWS.parts))
+def test_a_drawn_tab_is_where_it_is_drawn(tmp_path: Path) -> None:
+    shapes = ([[20, 20], [70, 20], [70, 60], [20, 60]], [[90, 20], [290, 20], [290, 120], [90, 120]])
+    parts = [{"id": name, "outer": outer} for name, outer in zip("AB", shapes, strict=True)]
+    parts[0] |= {"tabs": [{"at": [50, 20]}]}
+    sheet = {"width": 420, "height": 260}
+    (tmp_path / "nest.json").write_text(json.dumps({"format": "kerfwise-nest/1", "sheet": sheet, "parts": parts}))
+    drawn = kerfwise.read_nest(tmp_path / "nest.json")
     for torch in TORCHES[:2]:
         profile = with_tabs(torch, tabs="nest")
         found = made(drawn, profile)

@@ -5,12 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import get_args
 
+import jsonschema
 import pytest
+import yaml
 
 from kerfwise import InputError
 from kerfwise.postproc import dialects
 from kerfwise.postproc.check.reader.controls import CONTROLS
-from kerfwise.postproc.dialects import ControlName, LineNumbers, dialect_names, load_dialect
+from kerfwise.postproc.dialects import ControlName, LineNumbers, dialect_names, dialect_text, load_dialect
+from kerfwise.postproc.dialects.load import schema_text
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.profile.plant_sections import DialectName, Machine
 
@@ -126,3 +129,13 @@ def test_profiles_may_name_each_dialect() -> None:
     missing, gone = set(dialect_names()) - set(kind.words), set(kind.words) - set(dialect_names())
     assert not missing, f"rules/profile/plant_sections.py, Machine.dialect: {missing}"
     assert not gone, f"rules/profile/plant_sections.py names what postproc/dialects has not: {gone}"
+
+
+@pytest.mark.parametrize("name", dialect_names())
+def test_the_published_schema_takes_each_dialect(name: str) -> None:
+    jsonschema.Draft202012Validator(yaml.safe_load(schema_text())).validate(yaml.safe_load(dialect_text(name)))
+
+
+def test_the_published_schema_is_up_to_date() -> None:
+    published = FOLDER / "dialect.schema.json"
+    assert published.read_text(encoding="utf-8") == schema_text(), "run python -m kerfwise.postproc.dialects.load"
