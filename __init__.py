@@ -29,7 +29,6 @@ if TYPE_CHECKING:
         Reached,
         Result,
         RulesConflict,
-        Simulation,
         Times,
         check,
         conflict,
@@ -40,13 +39,14 @@ if TYPE_CHECKING:
         read_job,
         read_nest,
         read_plan,
-        simulate,
         solve,
         times,
     )
     from .apps.distortion.api import distort
     from .apps.edit.api import edit
     from .apps.edit.edited_nest import EditedNest
+    from .apps.heat.api import simulate
+    from .apps.heat.simulation import Simulation
     from .apps.nesting.api import make, nest
     from .apps.nesting.nest_list import Nests
     from .apps.pareto.api import trade_off

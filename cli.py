@@ -18,7 +18,6 @@ VERBS = {
     "check": "Judge a plan or a program by every rule, independently.",
     "explain": "Say why a contour is cut where it is, then, and so.",
     "time": "Say how long a plan or a program takes, and what it costs.",
-    "heat": "Simulate how hot a plan or a program makes the sheet.",
     "facts": "Write the facts of a nest, as JSON or MiniZinc data.",
     "plot": "Draw a nest or a plan (SVG, PNG, PDF or HTML).",
     "job": "Check a job file, which says what belongs to one nest.",
@@ -28,7 +27,7 @@ VERBS = {
 
 
 FILES = {
-    **dict.fromkeys(("read", "facts", "check", "explain", "time", "heat", "plot"), "results"),
+    **dict.fromkeys(("read", "facts", "check", "explain", "time", "plot"), "results"),
     "warm-up": "engines",
 }
 """The file in `commands` that has a verb, where it is not called like the verb."""

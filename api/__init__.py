@@ -25,7 +25,6 @@ from kerfwise.jobs.programs import Times
 from kerfwise.jobs.progress import Reached
 from kerfwise.jobs.request import NoPlan
 from kerfwise.jobs.result import Result
-from kerfwise.jobs.simulation import Simulation
 from kerfwise.models.plan.conflict import Conflict
 from kerfwise.models.plan.explain import Explanation
 from kerfwise.models.plan.plan import Plan
@@ -33,7 +32,7 @@ from kerfwise.postproc.check import CheckResult
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.profile import Profile
 
-from .judging import check, draw, explain, simulate, times
+from .judging import check, draw, explain, times
 from .planning import conflict, facts, solve
 from .reading import load_profile, read_job, read_nest, read_plan
 
@@ -54,7 +53,6 @@ __all__ = [
     "Reached",
     "Result",
     "RulesConflict",
-    "Simulation",
     "Times",
     "check",
     "conflict",
@@ -65,7 +63,6 @@ __all__ = [
     "read_job",
     "read_nest",
     "read_plan",
-    "simulate",
     "solve",
     "times",
 ]

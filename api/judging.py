@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from kerfwise.app_modules import app_module
 from kerfwise.jobs.display import Picture, PictureKind
@@ -13,7 +12,6 @@ from kerfwise.jobs.inputs import NestLike, ProfileLike
 from kerfwise.jobs.nest_job.request import JobLike, inputs_for
 from kerfwise.jobs.programs import Times, check_made, time_made
 from kerfwise.jobs.result import Result
-from kerfwise.jobs.simulation import Simulation, simulate_made
 from kerfwise.models.plan.explain import Explanation
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
@@ -21,9 +19,6 @@ from kerfwise.postproc.report import draw as drawn
 from kerfwise.postproc.report.picture import Spot
 
 from .reading import PlanOrResult, nest_request, plan_of, plan_or_path
-
-if TYPE_CHECKING:
-    from kerfwise.rules.profile.plant_sections import HeatModel
 
 
 def check(
@@ -137,44 +132,6 @@ def times(nest: NestLike, made: PlanOrResult, profile: ProfileLike | None = None
     True
     """
     return time_made(inputs_for(nest, nest_request(profile, job, last=made)), plan_or_path(made))
-
-
-def simulate(
-    nest: NestLike,
-    made: PlanOrResult,
-    profile: ProfileLike | None = None,
-    *,
-    model: HeatModel | None = None,
-    job: JobLike = None,
-) -> Simulation:
-    """Simulate how hot a plan or an NC program makes the sheet.
-
-    Parameters
-    ----------
-    nest, made, profile, job
-        As for `check`; the profile's section `heat` says how fine the grid is and how hot is too hot.
-    model
-        "physical" or "logical", instead of the profile's.
-
-    Returns
-    -------
-    Simulation
-        `overheats`, `peak_c`, `parts`; `found.run.peak_c` is the map (nx, ny), °C; `picture()` draws it.
-
-    Raises
-    ------
-    InputError
-        If something given cannot be read or is of another nest, or the grid does not fit the sheet.
-
-    Examples
-    --------
-    >>> import kerfwise
-    >>> nest = kerfwise.read_nest("examples/nests/e1x_6.json")
-    >>> heat = kerfwise.simulate(nest, kerfwise.solve(nest, work=2))
-    >>> heat.peak_c > 20, len(heat.parts)
-    (True, 8)
-    """
-    return simulate_made(inputs_for(nest, nest_request(profile, job, last=made)), plan_or_path(made), model)
 
 
 def draw(

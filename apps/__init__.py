@@ -6,6 +6,7 @@ The core imports none of them. It finds what it calls by name, in the tables her
 from __future__ import annotations
 
 VERBS = {
+    "heat": ("heat.verbs", "Simulate how hot a plan or a program makes the sheet."),
     "distort": ("distortion.verbs", "Predict how far each part will be off, in mm."),
     "pareto": ("pareto.verbs", "Trade idle travel against overheats: a front of plans."),
     "compare": ("viewer.compare.verbs", "Put two plans, programs, profiles or sets of rules side by side."),
@@ -29,12 +30,14 @@ NAMES = {
     "Nests": "nesting.nest_list",
     "Offer": "pareto.pareto",
     "Resequenced": "resequence.result",
+    "Simulation": "heat.simulation",
     "compare": "viewer.compare.api",
     "distort": "distortion.api",
     "edit": "edit.api",
     "make": "nesting.api",
     "nest": "nesting.api",
     "resequence": "resequence.api",
+    "simulate": "heat.api",
     "trade_off": "pareto.api",
 }
 """Name of the Python interface → the module that has it."""

@@ -34,8 +34,8 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions, read_nest
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs.heat_path import path_of_plan
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.physics.heat.timed_path import in_order, torch_on
 from kerfwise.rules.profile.load import load_profile

@@ -32,8 +32,8 @@ from kerfwise.apps.distortion.part_errors import PartError, errors_of
 from kerfwise.apps.distortion.straighter import StraighterOrders
 from kerfwise.benchmarks.distortion_rules import PROCESSES, made_nest
 from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.heat_path import path_of_plan
 from kerfwise.jobs.request import Request, facts_of, make_request, options_for
-from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.plan.plan import Plan

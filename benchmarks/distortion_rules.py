@@ -29,8 +29,8 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import ReadOptions
 from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
+from kerfwise.jobs.heat_path import path_of_plan
 from kerfwise.jobs.inputs import Inputs
-from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.physics.heat.timed_path import in_order
 from kerfwise.rules.catalogue.part_rigidity import PartRigidityOptions

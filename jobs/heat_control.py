@@ -37,9 +37,9 @@ from kerfwise.rules.stating.state_rules import Stated
 
 from .by_engine import by_all_rules
 from .cooler_orders import CoolerOrders, SimulatedOrders
+from .heat_path import path_of_plan, path_of_program
 from .request import Request
 from .route_paths import RoutePaths
-from .simulation import path_of_plan, path_of_program
 
 LATER = (1 - FIRST) / COOLER_ORDERS_ROUNDS
 """Share for each plan with prices."""

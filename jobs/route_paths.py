@@ -20,7 +20,7 @@ from kerfwise.rules.statements import Statement, by_kind
 from kerfwise.rules.stating.state_rules import Stated
 
 from .gantry import completed
-from .simulation import path_of_plan
+from .heat_path import path_of_plan
 
 _NOTHING_ASKED = Stated((), ())
 _LIMITS = SolveOptions(work=1.0)

@@ -19,9 +19,9 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.jobs.display import Picture
+from kerfwise.jobs.heat_path import path_of_made, path_of_program
 from kerfwise.jobs.inputs import Inputs, Tell, silent
 from kerfwise.jobs.programs import OldJob
-from kerfwise.jobs.simulation import path_of_made, path_of_program
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.physics.heat.simulate import expect_short
 from kerfwise.models.plan.plan import Plan

@@ -14,11 +14,11 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.by_engine import OrdersOf
 from kerfwise.jobs.display import Picture, data_frame
 from kerfwise.jobs.heat_control import cooler_orders
+from kerfwise.jobs.heat_path import path_of_plan
 from kerfwise.jobs.inputs import Inputs, expect_one_torch
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import facts_of, make_request
 from kerfwise.jobs.resume import lock_broken_cut_first
-from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.engines.deadline import Progress
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.heat import simulate

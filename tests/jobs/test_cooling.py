@@ -17,8 +17,8 @@ from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers import read_nest
 from kerfwise.jobs import heat_control
 from kerfwise.jobs.heat_control import too_hot
+from kerfwise.jobs.heat_path import path_of_plan
 from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.pacing import Heated, Pacing, pace
 from kerfwise.models.plan.read_plan import read_plan

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.jobs.heat_path import path_of_plan
 from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.jobs.route_paths import RoutePaths
-from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat import TimedPath
 from kerfwise.models.plan.plan import Plan
 from kerfwise.pipeline import plan_request

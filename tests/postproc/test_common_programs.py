@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.torch_path import compensated
+from kerfwise.jobs.heat_path import path_of_plan
 from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import read_plan
 from kerfwise.pipeline import solve_and_verify

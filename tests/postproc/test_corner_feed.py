@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from kerfwise.encoder.nest import Nest
+from kerfwise.jobs.heat_path import path_of_plan, path_of_program
 from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.jobs.simulation import path_of_plan, path_of_program
 from kerfwise.models.physics.time_and_cost import machine_feeds
 from kerfwise.pipeline import VerifiedPlan, solve_and_verify
 from kerfwise.postproc.clock import job_of_plan, job_of_program, read_program, time_job

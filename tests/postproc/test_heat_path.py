@@ -13,7 +13,7 @@ import pytest
 
 from kerfwise import Nest, Plan, Profile, load_profile, read_nest, read_plan
 from kerfwise.encoder.candidates import build_candidates
-from kerfwise.jobs.simulation import path_of_plan, path_of_program
+from kerfwise.jobs.heat_path import path_of_plan, path_of_program
 from kerfwise.models.physics.heat import TimedPath, simulate
 from kerfwise.models.physics.time_and_cost import motion_of
 from kerfwise.postproc.clock import contour_heat_kj, job_of_plan, job_of_program, read_program, time_job, with_times

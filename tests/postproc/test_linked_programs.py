@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import pytest
 
+from kerfwise.jobs.heat_path import path_of_plan
 from kerfwise.jobs.request import facts_of, make_request, options_for
-from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.plan.plan import LINKED, Plan
 from kerfwise.pipeline import solve_and_verify
 from kerfwise.postproc.check import CheckResult, report

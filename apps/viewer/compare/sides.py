@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
+from kerfwise.apps.heat.simulation import Simulation, simulate_made
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
@@ -16,7 +17,6 @@ from kerfwise.jobs.inputs import Inputs, Tell, is_plan_file, read_program_of, si
 from kerfwise.jobs.programs import Times, check_made, time_made
 from kerfwise.jobs.progress import Listener
 from kerfwise.jobs.request import options_for
-from kerfwise.jobs.simulation import Simulation, simulate_made
 from kerfwise.models.engines.solution import Limits
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import read_plan

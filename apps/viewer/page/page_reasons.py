@@ -12,8 +12,8 @@ import numpy as np
 from kerfwise.arrays import Float32s
 from kerfwise.encoder.errors import InputError
 from kerfwise.jobs.explainer import Explainer
+from kerfwise.jobs.heat_path import path_of_plan
 from kerfwise.jobs.inputs import Inputs, of_first_torch
-from kerfwise.jobs.simulation import path_of_plan
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.physical import point_steps
 from kerfwise.models.physics.heat.timed_path import MOST_POINTS, make_grid

@@ -13,8 +13,8 @@ from kerfwise import InputError, Nest, load_profile, read_nest, read_plan
 from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.bevels.cut_nest import BevelOptions, with_bevels
 from kerfwise.encoder.bevels.room import plan_bevels, section
+from kerfwise.jobs.heat_path import path_of_made
 from kerfwise.jobs.inputs import Inputs, silent
-from kerfwise.jobs.simulation import path_of_made
 from kerfwise.postproc.check.reader.controls import CONTROLS
 from kerfwise.postproc.check.reader.rs274 import read_nc
 from kerfwise.rule_kit import Contour, Curve, Cut, Part, Sheet

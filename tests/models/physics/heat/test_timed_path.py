@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from kerfwise import InputError
-from kerfwise.jobs.simulation import path_of_program
+from kerfwise.jobs.heat_path import path_of_program
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.pacing import hot_spots
 from kerfwise.models.physics.heat.timed_path import TimedPath, in_order, torch_on

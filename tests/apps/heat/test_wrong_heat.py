@@ -96,7 +96,7 @@ def test_profiles_that_cannot_be_simulated(folder: Path, profile: str, expected:
 
 
 def test_a_fine_grid_is_told_what_it_costs(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("kerfwise.jobs.simulation._POINT_STEPS_PER_SECOND", 2e4)
+    monkeypatch.setattr("kerfwise.apps.heat.simulation._POINT_STEPS_PER_SECOND", 2e4)
     ended = kerfwise("heat", NEST, "cut.nc")
     assert ended.code == 0
     assert re.match(r"note: a grid of 5 mm takes up to about 3 min \d+ s here, one of [\d.]+ mm a minute", ended.err)

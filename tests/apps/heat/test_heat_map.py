@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kerfwise.jobs.simulation import HeatPicture, peak_map
+from kerfwise.apps.heat.simulation import HeatPicture, peak_map
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.timed_path import in_order, make_grid, torch_on
 from kerfwise.rules.case import circle, nest, part, rect
@@ -23,7 +23,7 @@ HOT, BAND, SCRAP = (0x2F, 0xB4, 0xFF), (0x8F, 0x95, 0x9C), (0xD0, 0xD4, 0xD8)
 @pytest.fixture(autouse=True)
 def _small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer pixels, which are enough to count and quicker to draw."""
-    monkeypatch.setattr("kerfwise.jobs.simulation.DPI", 60)
+    monkeypatch.setattr("kerfwise.apps.heat.simulation.DPI", 60)
 
 
 def pixels(png: bytes) -> NDArray[np.uint8]:

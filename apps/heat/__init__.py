@@ -1,0 +1,1 @@
+"""How hot a plan or a program makes the sheet, by simulation."""
