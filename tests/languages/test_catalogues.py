@@ -97,6 +97,8 @@ def _texts_of_code() -> Iterator[str]:
                     yield "".join(str(one.value) if isinstance(one, ast.Constant) else "\0" for one in node.values)
                 elif isinstance(node, ast.Constant) and isinstance(node.value, str):
                     yield node.value
+    for path in ROOT.glob("rules/catalogue/*/cases.yaml"):  # whole, where the code puts a sentence together
+        yield " ".join(path.read_text(encoding="utf-8").split())
 
 
 def test_a_page_has_its_own_texts_and_the_viewer_more() -> None:
