@@ -1,6 +1,6 @@
 """`python -m kerfwise` is the command line."""
 
-from kerfwise.cli import main
+from kerfwise.cli import run
 
 if __name__ == "__main__":
-    main()
+    run()

@@ -25,6 +25,8 @@ F = TypeVar("F", bound=Callable[..., object])
 PLAIN_STEPS = 400_000
 """Steps that a process takes in plain Python for one kernel, before that is compiled or loaded: about 0.4 s, as loading
 takes."""
+FEW_STEPS = 500
+"""Steps that take less in plain Python than by arrays."""
 ARRAY_STEPS = 4e8
 """Steps that a process takes by whole arrays for one kernel: 1 to 3 s, less than compiling takes."""
 
@@ -117,18 +119,19 @@ def suited(kernel: F, steps: float, by_arrays: F | None = None, most: float = AR
     """The kernel as it is best run to take about so many steps: compiled, or as plain Python if the steps are few.
 
     A step is a turn of an inner loop. All plain runs of a kernel together take no more than `PLAIN_STEPS`. `by_arrays`
-    computes the same in numpy: it takes up to `most` steps as long as nothing is compiled or loaded, as then whatever
-    is kept of the others costs little.
+    computes the same in numpy: it takes all but few steps, up to `most`, as long as nothing is compiled or loaded, as
+    then whatever is kept of the others costs little.
     """
     known = cast(Kernel, kernel)
     with _lock:
         if known.made:
             return kernel
-        if known.plain_steps + steps <= _process.plain_steps:
+        by_arrays = None if _process.made or known.array_steps + steps > most else by_arrays
+        few = by_arrays is None or steps <= FEW_STEPS
+        if few and known.plain_steps + steps <= _process.plain_steps:
             known.plain_steps += steps
             return cast(F, known.plainly)
-        arrays_do = _process.plain_steps > 0 and not _process.made and known.array_steps + steps <= most
-        if by_arrays is None or not arrays_do:
+        if by_arrays is None or not _process.plain_steps:
             return kernel
         known.array_steps += steps
     return by_arrays

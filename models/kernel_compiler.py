@@ -15,6 +15,7 @@ are numba's own.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, cast
 
 import numba
@@ -132,6 +133,7 @@ class StructType(types.Type):
         super().__init__(name=f"{kind.label}_{kind.digest}")
 
 
+@cache
 def _type_of(kind: Any) -> types.Type:
     if isinstance(kind, StructKind):
         return StructType(kind)
@@ -141,11 +143,8 @@ def _type_of(kind: Any) -> types.Type:
     return {int: types.int64, np.float64: types.float64, np.float32: types.float32}[kind]
 
 
-def _type_of_struct(value: Struct, _: object) -> StructType:
-    found: StructType | None = value.__dict__.get("numba_type")
-    if found is None:
-        found = value.__dict__["numba_type"] = StructType(value.kind)
-    return found
+def _type_of_struct(value: Struct, _: object) -> types.Type:
+    return _type_of(value.kind)
 
 
 def _type_of_field(_: object, struct: StructType, name: str) -> types.Type | None:

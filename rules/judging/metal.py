@@ -58,7 +58,7 @@ class Metal:
 
     It is the same for every order; `Uncut` is what is left of it while one is cut. Strips and islands are looked for
     side by side: `swept` is for strips alone and `grown` for islands, as GEOS bears no two threads at what is prepared.
-    `islands` has, for each part, which of those in reach were out when it was cut last, and the islands beside it then.
+    `islands` has, for each part, the islands that were beside it once it was out, by which of those in reach were out.
     """
 
     def __init__(self, ground: Any, parts: Sequence[int], areas: Sequence[Any], strip_mm: float, web_mm: float) -> None:
@@ -73,7 +73,7 @@ class Metal:
         self.size: Any = shapely.area(self.areas)
         self.fields = fields_of(self.grown, FIELD_STRIPS * strip_mm)
         self.wide = Wide()
-        self.islands: dict[int, tuple[bytes, list[Island]]] = {}
+        self.islands: dict[int, dict[bytes, list[Island]]] = defaultdict(dict)
         self.reach_mm = ISLAND_STRIPS * strip_mm
         self._around: dict[int, Around] = {}
         shapely.prepare(self.swept)

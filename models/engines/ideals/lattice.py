@@ -38,6 +38,7 @@ from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.problem.bitsets import masks_of
 from kerfwise.models.problem.problem import Problem
 
+from .by_arrays import arrange_by_arrays, covers, sweep_by_arrays
 from .kernels import (
     Costs,
     LayerFrom,
@@ -140,7 +141,7 @@ def sweep_layers(
         expect(deadline, ahead, len(sets), sets.masks.shape[1], wide, free, times)
         grown, contour, target, entry_from = grow(orders, sets, alive, ahead.entries)
         sorted_ = room_to_arrange(ahead.entries, len(grown))
-        suited(arrange, 3 * ahead.entries)(contour, target, entry_from, alive, orders.size, sorted_)
+        suited(arrange, 3 * ahead.entries, arrange_by_arrays)(contour, target, entry_from, alive, orders.size, sorted_)
         ideal_entry, last, source, place, new_begin = sorted_
         values = np.empty(ahead.states, dtype=entrance.dtype)
         living = np.empty(ahead.entries, dtype=np.bool_)
@@ -152,7 +153,8 @@ def sweep_layers(
         goes = kernel_argument(LayerTo(alive, entry_from, contour, place, new_begin, values, new_lows, living))
         turns = times * (ahead.additions + ahead.entries * STEPS_AN_ENTRY)
         room = partial(room_for, moves, came, int(np.diff(begin[back.ideal_entry])[alive].max(initial=0)))
-        sweep_span = partial(_sweep_span, suited(sweep, turns), steps, came, goes, room)
+        by_arrays = None if len(lows) or not covers(local.terms, rest) else sweep_by_arrays
+        sweep_span = partial(_sweep_span, suited(sweep, turns, by_arrays), steps, came, goes, room)
         for spans in _shares(len(alive), ahead.additions):
             list(threads.map(sweep_span, *zip(*spans, strict=True)))
             _check(deadline)

@@ -25,6 +25,7 @@ from kerfwise.models.jit import KERNEL, inner, jit, suited
 from kerfwise.models.problem.bitsets import LOW, ONE, Masks, bit_number, missing, words
 from kerfwise.models.problem.problem import Problem
 
+from .by_arrays import count_by_arrays, grow_by_arrays
 from .stretch import OrderSets, orders_of, series
 
 # The sets that the orders allow to be cut first, layer by layer: those of one size from those one smaller.
@@ -92,7 +93,9 @@ class Growth:
 def growth(orders: OrderSets, sets: Sets, alive: Ints) -> Growth:
     """Count before anything is made."""
     steps = len(alive) * sets.ready.shape[1] * STEPS_A_WORD
-    entries, states, additions = suited(_count, steps)(orders, sets.ready, sets.pending, sets.width, alive)
+    entries, states, additions = suited(_count, steps, count_by_arrays)(
+        orders, sets.ready, sets.pending, sets.width, alive
+    )
     return Growth(entries, states, float(additions))
 
 
@@ -102,7 +105,7 @@ def grow(orders: OrderSets, sets: Sets, alive: Ints, entries: int) -> tuple[Sets
     Returns them, and of every entry the contour cut and the set it leads to; entries of `alive[a]` are `entry_from[a]`
     … `entry_from[a + 1] - 1`.
     """
-    step, words = suited(_grow, entries * STEPS_A_SET), sets.masks.shape[1]
+    step, words = suited(_grow, entries * STEPS_A_SET, grow_by_arrays), sets.masks.shape[1]
     made = Sets(
         masks=np.empty((entries, words), np.uint64),
         ready=np.empty((entries, words), np.uint64),

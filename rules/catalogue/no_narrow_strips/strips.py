@@ -26,6 +26,8 @@ from kerfwise.rules.judging.metal import IN_STRIP, QUADRANT, Around, Badly, Isla
 SPECK_MM2 = 1.0
 CLOSE_STRIPS = (2.0, 5.0)
 """How far around a part close looks for islands go, in strips, before all is looked at that an island may be on."""
+KEPT_OF_A_PART = 32
+"""Answers that are kept of one part: orders that are looked at differ by a contour or two, and come back."""
 
 
 class Islands:
@@ -61,14 +63,15 @@ class Islands:
     def _closed_by(self, p: int) -> list[Island]:
         """The islands beside part `p` now that it is out.
 
-        They depend on nothing but which parts in reach are out, so the answer for the order before is kept.
+        They depend on nothing but which parts in reach are out, so the answers for orders before are kept.
         """
-        near = self.metal.in_reach(p)
+        near, known = self.metal.in_reach(p), self.metal.islands[p]
         out = self.out[near]
-        asked, known = out.tobytes(), self.metal.islands.get(p)
-        if known is None or known[0] != asked:
-            known = self.metal.islands[p] = asked, list(self._looked_for(p, near[out], near[~out]))
-        return known[1]
+        if (asked := out.tobytes()) not in known:
+            if len(known) == KEPT_OF_A_PART:
+                known.clear()
+            known[asked] = list(self._looked_for(p, near[out], near[~out]))
+        return known[asked]
 
     def _looked_for(self, p: int, gone: Ints, left: Ints) -> Iterator[Island]:
         """The islands beside part `p`, where these parts in reach are out, and these are left."""
