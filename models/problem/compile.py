@@ -65,8 +65,9 @@ def make_problem(
     )
     if before.diagonal().any():
         raise _contradiction(before, [s for s in kinds.precede if s.weight is None])
+    new = kinds
     if earlier is not None and _same_sites(statements, earlier):
-        problem = _gone_on(earlier, lowered)
+        problem, new = _gone_on(earlier, lowered), by_kind(statements[len(earlier.told.statements) :])
     else:
         problem = _on_sites(facts, lowered, kinds, home_mm, feeds)
     problem = replace(
@@ -79,7 +80,8 @@ def make_problem(
             SoftGroup(g.contours, cost_um(g.weight), g.about) for g in kinds.contiguous if g.weight is not None
         ),
     )
-    problem = _with_moves(problem, kinds)
+    if new.lag or new.move:
+        problem = _with_moves(problem, kinds)
     problem = _with_links(problem, kinds.link)
     problem = _with_crossings(problem, kinds.crossing, earlier, going)
     check_magnitude(problem)
@@ -131,7 +133,7 @@ def _same_sites(statements: tuple[Statement, ...], earlier: Problem) -> bool:
 
 
 def _gone_on(earlier: Problem, lowered: LoweredStatements) -> Problem:
-    """The sites of an earlier problem with what is asked of them, and what is new."""
+    """The sites and moves of an earlier problem with what is asked of them, and what is new of sites."""
     new = dict.fromkeys(lowered.conditions[len(earlier.told.conditions) :])
     at = {condition.contour for condition in new}
     known = {condition for condition in earlier.conditions if condition.contour in at}

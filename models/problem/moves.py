@@ -204,6 +204,8 @@ def statements_by_leave(statements: Iterable[Move]) -> dict[int, list[Move]]:
 
 def _sites(contours: Sequence[int], by: frozenset[int] | None, first: Ints, candidate_site: Ints) -> Ints:
     """The sites of contours, or those of them that stand for one of the candidates `by`."""
+    if by is None and len(contours) == 1:
+        return np.arange(first[contours[0]], first[contours[0] + 1])
     some = np.array(contours, dtype=np.int64)
     all_ = concat_ranges(first[some], first[some + 1] - first[some])
     if by is None:
