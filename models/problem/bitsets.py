@@ -42,6 +42,19 @@ def masks_of(sets: Sequence[Sequence[int]], n: int) -> Masks:
     return masks
 
 
+def bits_of(masks: Masks, n: int) -> Bools:
+    """Which of n contours are in each of some sets, (len(masks), n).
+
+    Examples
+    --------
+    >>> bits_of(masks_of([(0, 2), (64,)], 65), 65).nonzero()[1].tolist()
+    [0, 2, 64]
+    """
+    octets = np.ascontiguousarray(masks, dtype="<u8").view(np.uint8)
+    bits: Bools = np.unpackbits(octets, axis=1, count=n, bitorder="little").view(np.bool_)
+    return bits
+
+
 @inner(**KERNEL)
 def bit_number(bit: np.uint64) -> int:  # pragma: no cover - compiled
     """The number of the only bit that is set."""

@@ -1,75 +1,17 @@
-"""Layers of a sweep by whole arrays, where states are few: number for number what `sets` and `kernels` say compiled."""
+"""A layer of the sweep by whole arrays: number for number what `kernels` says compiled, where states are few."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Int16s, Int32s, Ints, concat_ranges
-from kerfwise.models.problem.bitsets import LOW, ONE, Masks
+from kerfwise.models.problem.bitsets import Masks, bits_of
 
-from .stretch import HARD, OrderSets, RestBound, StepTerms
-
-if TYPE_CHECKING:
-    from .kernels import Arranged, Costs, LayerFrom, LayerTo, Room, Steps
-    from .sets import Layer
+from .kernels import Arranged, Costs, LayerFrom, LayerTo, Room, Steps
+from .stretch import HARD, RestBound, StepTerms
 
 AT_ONCE = 1 << 18
 """Additions that are done together: what they take fits in a cache."""
-
-
-def count_by_arrays(orders: OrderSets, ready: Masks, pending: Int32s, width: Ints, alive: Ints) -> tuple[int, int, int]:
-    """Entries, states and additions of the layer that follows the sets `alive`."""
-    may_follow = _may_follow(orders, ready, pending, alive)
-    sites = may_follow @ orders.size
-    return int(may_follow.sum()), int(sites.sum()), int(sites @ width[alive])
-
-
-def grow_by_arrays(orders: OrderSets, came: Layer, alive: Ints, goes: Layer, slots: Int32s, far: Ints) -> int:
-    """That layer, its sets numbered as they come up; see `sets.grow`."""
-    may_follow = _may_follow(orders, came.ready, came.pending, alive)
-    a, i = np.nonzero(may_follow)
-    k, word, bit = alive[a], i >> 6, ONE << (i.astype(np.uint64) & LOW)
-    reached = came.masks[k]
-    reached[np.arange(len(i)), word] |= bit
-    keys = reached[:, 0] if reached.shape[1] == 1 else reached
-    _, first, target = np.unique(keys, return_index=True, return_inverse=True, axis=0)
-    in_turn = np.argsort(first)
-    first, number = first[in_turn], np.argsort(in_turn)
-    i_of, count = i[first], len(first)
-    masks, ready = reached[first], came.ready[k[first]]
-    ready[np.arange(count), word[first]] &= ~bit[first]
-    opened = orders.open_from[i_of + 1] - orders.open_from[i_of]
-    row, j = np.repeat(np.arange(count), opened), orders.opens[concat_ranges(orders.open_from[i_of], opened)]
-    free = ~(orders.needs[j] & ~masks[row]).any(axis=1)
-    np.bitwise_or.at(ready, (row[free], j[free] >> 6), ONE << (j[free].astype(np.uint64) & LOW))
-    block = orders.block[i_of]
-    begun = np.flatnonzero(block >= 0)
-    whole = ~(orders.block_mask[block[begun]] & ~masks[begun]).any(axis=1)
-    block[begun[whole]] = -1
-    goes.masks[:count], goes.ready[:count], goes.pending[:count] = masks, ready, block
-    goes.hashes[:count] = came.hashes[k[first]] ^ orders.noise[i_of]
-    goes.contour[:], goes.target[:] = i, number[target.ravel()]
-    goes.width[:count] = np.bincount(goes.target, weights=orders.size[i], minlength=count)
-    goes.entry_from[1:] = np.cumsum(may_follow.sum(axis=1))
-    far[:] = len(alive), count
-    return len(alive)
-
-
-def _may_follow(orders: OrderSets, ready: Masks, pending: Int32s, alive: Ints) -> Bools:
-    """Which contours may be cut next once each of the sets `alive` is out, (len(alive), contours)."""
-    words, waiting = ready[alive], pending[alive]
-    within = waiting >= 0
-    words[within] &= orders.block_mask[waiting[within]]
-    return _bits_of(words, len(orders.size))
-
-
-def _bits_of(masks: Masks, n: int) -> Bools:
-    """Which of n contours are in each of some sets, (len(masks), n)."""
-    octets = np.ascontiguousarray(masks, dtype="<u8").view(np.uint8)
-    bits: Bools = np.unpackbits(octets, axis=1, count=n, bitorder="little").view(np.bool_)
-    return bits
 
 
 def arrange_by_arrays(
@@ -92,7 +34,7 @@ def sweep_by_arrays(steps: Steps, came: LayerFrom, goes: LayerTo, room: Room, st
     """As `kernels.sweep`, where moves have one cost, and `covers` what is asked."""
     chosen, rest = goes.alive[start:stop], steps.rest
     states = _States(steps, came)
-    out = _bits_of(came.masks[chosen], len(steps.first) - 1)
+    out = bits_of(came.masks[chosen], len(steps.first) - 1)
     left = steps.limit - _still_to_come(rest, out)
     entries = np.arange(goes.entry_from[start], goes.entry_from[stop])
     at = np.repeat(np.arange(len(chosen)), np.diff(goes.entry_from[start : stop + 1]))

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kerfwise.arrays import Int16s, Int32s, Ints
+from kerfwise.arrays import Bools, Int16s, Int32s, Ints, concat_ranges
 from kerfwise.models.engines.tuning import (
     ADDITIONS_A_STATE,
     ADDITIONS_AN_ENTRY,
@@ -22,10 +22,9 @@ from kerfwise.models.engines.tuning import (
 )
 from kerfwise.models.engines.tuning import SETS_ADDITIONS_PER_S as ADDITIONS_PER_S
 from kerfwise.models.jit import KERNEL, inner, jit, suited
-from kerfwise.models.problem.bitsets import LOW, ONE, Masks, bit_number, missing, words
+from kerfwise.models.problem.bitsets import LOW, ONE, Masks, bit_number, bits_of, missing, words
 from kerfwise.models.problem.problem import Problem
 
-from .by_arrays import count_by_arrays, grow_by_arrays
 from .stretch import OrderSets, orders_of, series
 
 # The sets that the orders allow to be cut first, layer by layer: those of one size from those one smaller.
@@ -230,6 +229,55 @@ def _grow(  # pragma: no cover - compiled
         goes.entry_from[a + 1] = used
     far[1] = count
     return len(alive)
+
+
+# The same by whole arrays, number for number, where sets are few.
+
+
+def count_by_arrays(orders: OrderSets, ready: Masks, pending: Int32s, width: Ints, alive: Ints) -> tuple[int, int, int]:
+    """Entries, states and additions of the layer that follows the sets `alive`."""
+    may_follow = _may_follow(orders, ready, pending, alive)
+    sites = may_follow @ orders.size
+    return int(may_follow.sum()), int(sites.sum()), int(sites @ width[alive])
+
+
+def grow_by_arrays(orders: OrderSets, came: Layer, alive: Ints, goes: Layer, slots: Int32s, far: Ints) -> int:
+    """That layer, its sets numbered as they come up; see `grow`."""
+    may_follow = _may_follow(orders, came.ready, came.pending, alive)
+    a, i = np.nonzero(may_follow)
+    k, word, bit = alive[a], i >> 6, ONE << (i.astype(np.uint64) & LOW)
+    reached = came.masks[k]
+    reached[np.arange(len(i)), word] |= bit
+    keys = reached[:, 0] if reached.shape[1] == 1 else reached
+    _, first, target = np.unique(keys, return_index=True, return_inverse=True, axis=0)
+    in_turn = np.argsort(first)
+    first, number = first[in_turn], np.argsort(in_turn)
+    i_of, count = i[first], len(first)
+    masks, ready = reached[first], came.ready[k[first]]
+    ready[np.arange(count), word[first]] &= ~bit[first]
+    opened = orders.open_from[i_of + 1] - orders.open_from[i_of]
+    row, j = np.repeat(np.arange(count), opened), orders.opens[concat_ranges(orders.open_from[i_of], opened)]
+    free = ~(orders.needs[j] & ~masks[row]).any(axis=1)
+    np.bitwise_or.at(ready, (row[free], j[free] >> 6), ONE << (j[free].astype(np.uint64) & LOW))
+    block = orders.block[i_of]
+    begun = np.flatnonzero(block >= 0)
+    whole = ~(orders.block_mask[block[begun]] & ~masks[begun]).any(axis=1)
+    block[begun[whole]] = -1
+    goes.masks[:count], goes.ready[:count], goes.pending[:count] = masks, ready, block
+    goes.hashes[:count] = came.hashes[k[first]] ^ orders.noise[i_of]
+    goes.contour[:], goes.target[:] = i, number[target.ravel()]
+    goes.width[:count] = np.bincount(goes.target, weights=orders.size[i], minlength=count)
+    goes.entry_from[1:] = np.cumsum(may_follow.sum(axis=1))
+    far[:] = len(alive), count
+    return len(alive)
+
+
+def _may_follow(orders: OrderSets, ready: Masks, pending: Int32s, alive: Ints) -> Bools:
+    """Which contours may be cut next once each of the sets `alive` is out, (len(alive), contours)."""
+    words, waiting = ready[alive], pending[alive]
+    within = waiting >= 0
+    words[within] &= orders.block_mask[waiting[within]]
+    return bits_of(words, len(orders.size))
 
 
 # Counts the sets of a problem before anything is made of them: what a sweep without any bound would take.

@@ -34,7 +34,7 @@ class Both:
         copies = [_copied(one) for one in given]
         other = twin(*copies)
         one = kernel(*given)
-        if twin is by_arrays.grow_by_arrays:
+        if twin is sets.grow_by_arrays:
             assert int(given[5][1]) == int(copies[5][1])
             _same(*(_made(layer, int(given[5][1])) for layer in (given[3], copies[3])))
         elif one is None:
