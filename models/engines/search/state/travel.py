@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -136,7 +137,12 @@ def _least(travel: Ints, first: Ints, axis: int) -> Ints:
     """Least of each contour's columns, or rows."""
     if len(first) == 1:
         return np.zeros((len(travel), 0) if axis else (0, travel.shape[1]), dtype=np.int64)
-    return np.asarray(np.minimum.reduceat(travel, first[:-1], axis=axis), dtype=np.int64)
+    if axis:
+        return np.asarray(np.minimum.reduceat(travel, first[:-1], axis=1), dtype=np.int64)
+    least = np.empty((len(first) - 1, travel.shape[1]), dtype=np.int64)
+    for row, (begin, end) in zip(least, pairwise(first.tolist()), strict=True):  # ten times as fast as `reduceat`
+        np.minimum.reduce(travel[begin:end], axis=0, out=row)
+    return least
 
 
 def _circles(points: Ints, first: Ints) -> Floats:
