@@ -96,10 +96,10 @@ def told():
         except ChildProcessError:
             break
     own = sum(name.startswith("kerfwise.") for name in compiled)
-    sys.__stderr__.write(f"\\nused {sum(os.times()[:4]):.2f} {own}\\n")
+    sys.__stderr__.write(f"\\nused {own}\\n")
 atexit.register(told)
-from kerfwise.cli import main
-main()
+from kerfwise import cli
+getattr(cli, "run", cli.main)()
 """
 
 
@@ -136,9 +136,11 @@ class Tree(Checkout):
             if nest.isdecimal():
                 path = Path(out) / "made.json"
                 path.write_text(json.dumps(make_sheet(1, int(nest))), encoding="utf-8", newline="\n")
+            before = os.times()
             done = self.ended(["-c", CHILD, "solve", str(path), *options], kept, Path(out))
-        cpu_s, kernels = done.stderr.rpartition("\nused ")[2].split()
-        return Start(float(cpu_s), int(kernels))
+        after = os.times()
+        cpu_s = after.children_user + after.children_system - before.children_user - before.children_system
+        return Start(round(cpu_s, 2), int(done.stderr.rpartition("\nused ")[2]))
 
 
 def main() -> None:
