@@ -24,7 +24,6 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.jobs.adaptive_zones import ZonedPlan, better_zones, plan_by_rungs, zones_follow
 from kerfwise.jobs.by_engine import PORTFOLIO, Method, solve_by, with_less_work
-from kerfwise.jobs.first_plan import first_plan, plan_at_hand
 from kerfwise.jobs.gantry import completed
 from kerfwise.jobs.inputs import Inputs, Tell, silent
 from kerfwise.jobs.plan_without_zones import is_look_worthwhile, paying_for_crossings, zoned_by
@@ -341,6 +340,10 @@ def _may_zones_move(request: Request, profile: Profile, limits: SolveOptions, me
 def _known_plan(solving: _Solving) -> ZonedPlan | None:
     """The plan at hand under what is asked now, to go on from; or a first plan, along that or from nothing."""
     start, first, request = solving.method.start, solving.method.first, solving.request
+    if start is None and not first:
+        return None
+    from kerfwise.jobs.first_plan import first_plan, plan_at_hand
+
     at_hand = None
     if start is not None:
         at_hand = plan_at_hand(request.facts, solving.profile, solving.limits, start, request, keep=first)

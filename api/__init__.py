@@ -26,7 +26,7 @@ from kerfwise.jobs.progress import Reached
 from kerfwise.jobs.request import NoPlan
 from kerfwise.jobs.result import Result
 from kerfwise.models.plan.conflict import Conflict
-from kerfwise.models.plan.explain import Explanation
+from kerfwise.models.plan.explain.explain import Explanation
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.rules.lock import Lock

@@ -12,7 +12,7 @@ from kerfwise.jobs.inputs import NestLike, ProfileLike
 from kerfwise.jobs.nest_job.request import JobLike, inputs_for
 from kerfwise.jobs.programs import Times, check_made, time_made
 from kerfwise.jobs.result import Result
-from kerfwise.models.plan.explain import Explanation
+from kerfwise.models.plan.explain.explain import Explanation
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.report import draw as drawn

@@ -193,7 +193,7 @@ def explain_command(plan: str, contour: str, everything: bool, as_data: bool, **
     """Explain the position and entry of CONTOUR (such as P3.outer), and what moving it would cost."""
     from kerfwise.jobs.explainer import Explainer
     from kerfwise.jobs.inputs import differences
-    from kerfwise.models.plan.explain import as_text, explanation_as_json
+    from kerfwise.models.plan.explain.explain import as_text, explanation_as_json
     from kerfwise.models.plan.read_plan import read_plan
 
     inputs = read_inputs(**given, last=plan)

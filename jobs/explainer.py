@@ -15,16 +15,9 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.encoder.nearest_name import unknown
 from kerfwise.models.plan.conflict import state_relaxed
-from kerfwise.models.plan.explain import (
-    Explanation,
-    PlanContext,
-    PositionCosts,
-    expect_planned,
-    explained,
-    make_context,
-    try_order,
-)
-from kerfwise.models.plan.explain.explain import difference
+from kerfwise.models.plan.explain.alternatives import PositionCosts, try_order
+from kerfwise.models.plan.explain.context import PlanContext, make_context
+from kerfwise.models.plan.explain.explain import Explanation, difference, expect_planned, explained
 from kerfwise.models.plan.explain.reasons import Reasons
 from kerfwise.models.plan.make_plan import excuses_by_rule
 from kerfwise.models.plan.plan import Plan

@@ -9,13 +9,12 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
-from .process_pool import ENDED_S, end_with_parent, show_warnings_as_notes, start_quietly
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+    from multiprocessing.process import BaseProcess
 
 Hear = Callable[[], Any]
 """The next thing that the process is told."""
@@ -72,6 +71,10 @@ class Beside:
         """Have the process set out, where that pays."""
         if not self.pays:
             return self
+        from multiprocessing import get_context
+
+        from .process_pool import start_quietly
+
         forked = sys.platform == "linux" and threading.active_count() == 1
         context = get_context("fork" if forked else "spawn")
         with contextlib.suppress(OSError), warnings.catch_warnings():  # no process can be started: there is no answer
@@ -92,6 +95,8 @@ class Beside:
     ) -> None:
         """End the process, whatever it is at."""
         if self.process is not None and self.process.pid is not None:
+            from .process_pool import ENDED_S
+
             self.process.terminate()
             self.process.join(ENDED_S)
         if self._way is not None:
@@ -109,6 +114,8 @@ def _pickled(value: object) -> bytes:
 
 def _serve(way: Connection, work: Callable[..., Iterator[object]], given: tuple[object, ...] | None) -> None:
     """What the process does; where it cannot, it says nothing."""
+    from .process_pool import end_with_parent, show_warnings_as_notes
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the first one answers
     threading.Thread(target=end_with_parent, daemon=True).start()
     show_warnings_as_notes()

@@ -9,12 +9,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
-from kerfwise.encoder.bevels.room import kept_candidates
 from kerfwise.encoder.candidates import CandidateBuilder
 from kerfwise.encoder.candidates.candidate import Candidate, LeadOptions
 from kerfwise.encoder.candidates.common_edges import facing_edges
 from kerfwise.encoder.candidates.older_kerfs import OlderKerfs
-from kerfwise.encoder.candidates.snake import rows_of, snake_of
 from kerfwise.encoder.candidates.stretches import (
     StretchWays,
     begun_by,
@@ -202,7 +200,11 @@ def _with_ways_along(
     begun = {name for name in begun_by(past) if name not in already.contours}
     out = [nest.index[name] for name in already.contours]
     left = [c.id for c in nest.contours if c.id not in begun.union(already.contours, loose)]
-    rows = [] if asked is None else rows_of(nest, kerf_mm, asked, left, leads.directions["outer"])
+    rows = []
+    if asked is not None:
+        from kerfwise.encoder.candidates.snake import rows_of, snake_of
+
+        rows = rows_of(nest, kerf_mm, asked, left, leads.directions["outer"])
     if past:
         rows = [replace(one, name=f"{one.name}.{len(already.cuts)}") for row in rows for one in row.of or (row,)]
     taken = frozenset[str]().union(*(row.members for row in rows))
@@ -236,6 +238,8 @@ def _beside_bevels(
     bevelling = profile.bevelling_of(nest)
     if bevelling is None:
         return candidates, met
+    from kerfwise.encoder.bevels.room import kept_candidates
+
     kept = kept_candidates(nest, candidates, bevelling, profile.reach_on(nest))
     return tuple(candidates[k] for k in kept), None if met is None else met.of_kept(kept, len(candidates))
 

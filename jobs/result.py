@@ -12,7 +12,7 @@ from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.nest import Nest
 from kerfwise.models.engines.solution import Status
-from kerfwise.models.plan.explain import Explanation
+from kerfwise.models.plan.explain.explain import Explanation
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.output_files import expect_outputs, make_folder, remnant_files, write_files

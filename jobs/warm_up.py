@@ -23,7 +23,6 @@ from kerfwise.models.engines.tuning import WARM_UP_ROWS as ROWS
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
 
 from .process_beside import Beside, Hear
@@ -78,6 +77,8 @@ def search_beside(contours: int) -> None:
 
 def _problem(columns: int = COLUMNS, rows: int = ROWS) -> Problem:
     """A plate of parts with holes, under the default profile."""
+    from kerfwise.rules.case import nest, part, rect
+
     profile = load_profile()
     parts = (
         part(f"P{rows * x + y}", rect(130 * x + 10, 100 * y + 10, 110, 80), [rect(130 * x + 40, 100 * y + 35, 25, 25)])

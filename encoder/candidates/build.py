@@ -24,7 +24,6 @@ from .candidate import Candidate, LeadOptions
 from .common_edges import CommonEdges
 from .common_paths import common_cut_paths, with_neighbours_in
 from .entries import IN_PROFILE, Approaches, Joints, Outline
-from .lead_errors import cannot_be_cut, refusal
 from .lead_search import LeadAttempt, reachable_candidates, try_leads
 from .leads import lead_outs, least_clearance_mm
 from .obstacles import BurntArea, Surroundings
@@ -133,6 +132,8 @@ class CandidateBuilder:
         shut = {k: why for k, why in tried.shut.items() if k not in redone}
         tried = replace(tried, bare=tuple(k for k in tried.bare if k not in redone), shut=shut)
         if tried.faulty:
+            from .lead_errors import refusal
+
             raise refusal(nest, tried, self._around, options)
         bare_lines = [(k, nest.contours[k]) for k in self._left if nest.contours[k].kind in ("mark", "scrap")]
         marks = [c for k, line in bare_lines for c in mark_candidates(k, line, options)]
@@ -146,6 +147,8 @@ class CandidateBuilder:
             )
         if lost := sorted(set(tried.outlines) - stretched - {c.contour for c in (*reached, *along)}):
             details = tuple(f"{nest.contours[k].id}: {_why_lost(edges, k, out)}" for k in lost)
+            from .lead_errors import cannot_be_cut
+
             raise InputError(cannot_be_cut(len(lost)), file=nest.file or None, details=details)
         if options.splash_mm is None:
             return tuple(sorted([*marks, *reached, *along], key=lambda c: c.contour)), None

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.quantities import Thicknesses, ThicknessTable
 from kerfwise.rules.own import Own, OwnFile, Thresholds, as_rule
@@ -20,6 +19,8 @@ from .values import ProfileValues
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
+
+    from kerfwise.rules.flat.model_rule import ModelRule
 
 
 @dataclass(frozen=True)
@@ -49,19 +50,24 @@ class ActiveRules(ProfileValues):
 
     def rulebook(self) -> dict[str, Rule[Any]]:
         """Every rule by id: those that `rules` has settings of, then the plant's own in YAML."""
-        settings = self.settings()
-        known = {
-            name: rule.with_strength(settings[name].strength if name in settings else "off")
-            if isinstance(rule, ModelRule)
-            else rule
-            for name, rule in self.known_rules().items()
-        }
+        settings, known = self.settings(), self.known_rules()
+        for name, rule in self._in_model_files(self.further_rules):
+            known[name] = rule.with_strength(settings[name].strength if name in settings else "off")
         return {**known, **{rule.id: own_model_rule(rule) for rule in self.own_rules}}
 
     def model_rules(self) -> list[ModelRule]:
         """The rules that are on and stand in model files, which need MiniZinc."""
-        on = self.settings()
-        return [rule for name, rule in self.rulebook().items() if name in on and isinstance(rule, ModelRule)]
+        on, book = self.settings(), self.rulebook()
+        brought = {name: rule for name, rule in book.items() if name in on and rule is not RULES.get(name)}
+        return [rule for _, rule in self._in_model_files(brought)]
+
+    @staticmethod
+    def _in_model_files(rules: Mapping[str, Rule[Any]]) -> Iterator[tuple[str, ModelRule]]:
+        """Those of some rules that stand in model files; what these take is loaded where there are rules."""
+        if rules:
+            from kerfwise.rules.flat.model_rule import ModelRule
+
+            yield from ((name, rule) for name, rule in rules.items() if isinstance(rule, ModelRule))
 
     def rule_files(self) -> dict[str, RuleFile]:
         """Rule id → file, of the rules that are on and stand in a file of the plant, in Python or MiniZinc."""
@@ -103,6 +109,8 @@ def options_of_own(own: OwnFile) -> Any:
 def own_model_rule(own: Own) -> Rule[Any]:
     """The rule that an entry of `own_rules` makes: one in a file is a model rule like those of `models`."""
     if isinstance(own, OwnFile):
+        from kerfwise.rules.flat.model_rule import read_model_rule
+
         return read_model_rule(own.path, rule_id=own.id, sentence=own.why).with_strength(own.strength)
     return as_rule(own)
 

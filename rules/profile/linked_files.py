@@ -8,7 +8,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import yaml
 
@@ -16,7 +16,6 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import expect_readable, is_file
 from kerfwise.rules.charts import Found, LookedUp, NoRow, look_up, read_chart, shipped_charts
 from kerfwise.rules.charts.chart import COLUMNS, Column, column_of, family_of, same_value, value_text
-from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
 from kerfwise.rules.options.kind import Text, Unfit
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.yaml_positions import Place, Problems, deepest, items, wrong_at
@@ -25,6 +24,9 @@ from kerfwise.rules.registry import RULES
 from kerfwise.rules.rule import Rule, RuleSetting
 
 from .plant_sections import Material, is_own_dialect
+
+if TYPE_CHECKING:
+    from kerfwise.rules.flat.model_rule import ModelRule
 
 # Files of rules that a profile names, as its keys `models` and `python` do.
 
@@ -58,6 +60,8 @@ def with_model_files(node: yaml.Node, files: GivenFiles, problems: Problems) -> 
     A new rule is hard until `rules` says otherwise; one in the place of a shipped rule has that one's strength. Files
     of a profile that this one is based on stay; a file of the same name takes their place.
     """
+    from kerfwise.rules.flat.model_rule import ModelRule, read_model_rule
+
     sources = {source.path.name: source for source in files["models"]}
     rules: dict[str, Rule[Any]] = dict(files["further_rules"])
     settings: dict[str, RuleSetting] = dict(files["rules"])

@@ -18,8 +18,6 @@ from kerfwise.encoder.errors import InputError, rule_hook
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, is_there, read_limited, utf8_text
 from kerfwise.encoder.nearest_name import nearest, unknown
-from kerfwise.rules.flat.model_file import read_model_file
-from kerfwise.rules.flat.model_rule import options_class
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Choice, OptionKind, Text, Unfit
 from kerfwise.rules.options.option import Members, options_of
@@ -189,6 +187,9 @@ def parameters_of(path: Path) -> dict[str, OptionKind]:
     InputError
         If the file is no rule.
     """
+    from kerfwise.rules.flat.model_file import read_model_file
+    from kerfwise.rules.flat.model_rule import options_class
+
     return {o.key: o.kind for o in options_of(options_class(read_model_file(path).parameters))}
 
 

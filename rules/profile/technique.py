@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from kerfwise.encoder.bevels.cut_nest import bevelled, with_bevels
-from kerfwise.encoder.bevels.room import Bevelling, plan_bevels
 from kerfwise.encoder.bridges import expect_wider
 from kerfwise.encoder.candidates.candidate import LEAST_WASTE_MM, LeadOptions
 from kerfwise.encoder.facts.links import LinkOptions
@@ -14,9 +14,11 @@ from kerfwise.encoder.scrap import with_scrap
 from kerfwise.encoder.slits import with_slits
 from kerfwise.encoder.small_holes import HoleLimits, with_small_holes
 from kerfwise.encoder.torch_path import TabOptions, with_corner_times
-from kerfwise.encoder.touching_edges import with_touching_edges_cut
 
 from .active_rules import ActiveRules
+
+if TYPE_CHECKING:
+    from kerfwise.encoder.bevels.room import Bevelling
 
 
 @dataclass(frozen=True)
@@ -89,11 +91,11 @@ class Technique(ActiveRules):
     def without_losses(self, nest: Nest) -> Nest:
         """The nest less what parts that touch lose to the cut between them, where the profile accepts that."""
         edges = self.common_options() if self.cuts.common.accept_loss else None
-        return (
-            nest
-            if edges is None
-            else with_touching_edges_cut(nest, self.material.kerf_mm, edges.shortest_mm, edges.gap_mm)
-        )
+        if edges is None:
+            return nest
+        from kerfwise.encoder.touching_edges import with_touching_edges_cut
+
+        return with_touching_edges_cut(nest, self.material.kerf_mm, edges.shortest_mm, edges.gap_mm)
 
     def as_cut(self, nest: Nest) -> Nest:
         """The nest as this plant cuts it: small holes are marks or gone, others know their feed, slots have slits.
@@ -125,4 +127,8 @@ class Technique(ActiveRules):
             For bevels that cannot be cut as they are drawn.
         """
         options = self.bevel_options()
-        return None if options is None or next(bevelled(nest), None) is None else plan_bevels(nest, options)
+        if options is None or next(bevelled(nest), None) is None:
+            return None
+        from kerfwise.encoder.bevels.room import plan_bevels
+
+        return plan_bevels(nest, options)

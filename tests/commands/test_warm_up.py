@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs import process_beside, warm_up
+from kerfwise.jobs import warm_up
 from kerfwise.models import jit, numba_cache
 from kerfwise.models.engines.search.anneal import walk
 
@@ -64,7 +64,7 @@ def test_the_search_is_compiled_beside_where_it_is_needed(
     def begun_process(process: BaseProcess) -> None:
         processes.append(process)
 
-    monkeypatch.setattr(process_beside, "start_quietly", begun_process)
+    monkeypatch.setattr(process_pool, "start_quietly", begun_process)
     monkeypatch.setattr(BaseProcess, "is_alive", lambda process: False)
     monkeypatch.setattr(numba_cache, "is_kept", lambda _: kept)
     monkeypatch.setattr(numba_cache, "_beside", {})
@@ -78,7 +78,7 @@ def test_no_second_process_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: object, **__: object) -> None:
         raise OSError("no processes here")
 
-    monkeypatch.setattr(process_beside, "start_quietly", refused)
+    monkeypatch.setattr(process_pool, "start_quietly", refused)
     monkeypatch.setattr(numba_cache, "is_kept", lambda _: False)
     monkeypatch.setattr(numba_cache, "_beside", {})
     warm_up.search_beside(500)

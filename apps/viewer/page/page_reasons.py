@@ -17,7 +17,6 @@ from kerfwise.jobs.inputs import Inputs, of_first_torch
 from kerfwise.models.physics.heat import simulate
 from kerfwise.models.physics.heat.physical import point_steps
 from kerfwise.models.physics.heat.timed_path import MOST_POINTS, make_grid
-from kerfwise.models.plan.explain import Explanation
 from kerfwise.models.plan.explain.alternatives import (
     Entry,
     Hold,
@@ -27,7 +26,7 @@ from kerfwise.models.plan.explain.alternatives import (
     other_statements,
 )
 from kerfwise.models.plan.explain.context import PlanContext
-from kerfwise.models.plan.explain.explain import difference, entry_words
+from kerfwise.models.plan.explain.explain import Explanation, difference, entry_words
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.statements import About
 

@@ -26,7 +26,7 @@ from kerfwise.encoder.readers.read import BrokenNest, seen
 from kerfwise.jobs.explainer import Explainer, MovePreview, Mover
 from kerfwise.jobs.inputs import Inputs, lines_as_cut, plant_of, reading, silent
 from kerfwise.jobs.nest_job.request import NestRequest, profile_for
-from kerfwise.models.plan.explain import as_text
+from kerfwise.models.plan.explain.explain import as_text
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.plan.read_plan import plan_in
 from kerfwise.postproc.report import draw

@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 
 from kerfwise import InputError, Lock, Nest
 from kerfwise.jobs.request import facts_of
-from kerfwise.models.plan.explain import as_text, explain, explanation_as_json
 from kerfwise.models.plan.explain.alternatives import PositionCosts, blocking_orders, nearest_orders
 from kerfwise.models.plan.explain.context import PlanContext, make_context
+from kerfwise.models.plan.explain.explain import as_text, explain, explanation_as_json
 from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.rule_kit import About, AtLeast, Before, Facts, Forbid, RuleSetting, Statement, circle, nest, part, rect

@@ -7,7 +7,7 @@ from functools import cache
 
 from kerfwise.encoder.facts import Facts
 from kerfwise.models.heat_prices import HEAT
-from kerfwise.models.plan.explain import Explanation, as_text, explain
+from kerfwise.models.plan.explain.explain import Explanation, as_text, explain
 from kerfwise.models.plan.plan import Plan
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.statements import About, AtLeast, Before, Forbid, Precede, Statement
