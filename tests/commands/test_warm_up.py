@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from kerfwise.examples.gen_sheet import make_sheet
-from kerfwise.jobs import warm_up
+from kerfwise.jobs import process_pool, warm_up
 from kerfwise.models import jit, numba_cache
 from kerfwise.models.engines.search.anneal import walk
 
