@@ -161,6 +161,15 @@ class Metal:
         stiff = shapely.bounds(self.stiff)
         return np.hstack([np.fmax(self._windows[:, :2], stiff[:2]), np.fmin(self._windows[:, 2:], stiff[2:])])
 
+    def nearest(self, p: int, parts: Ints) -> int:
+        """Of some parts the one that lies nearest to part `p`, the first of those that lie equally near."""
+        own, boxes = self._bounds[p], self._bounds[parts]
+        apart = np.maximum(np.maximum(boxes[:, :2] - own[2:], own[:2] - boxes[:, 2:]), 0.0)
+        least_mm = np.hypot(*apart.T)
+        most_mm = shapely.distance(self.areas[parts[least_mm.argmin()]], self.areas[p])
+        some = np.sort(parts[least_mm <= most_mm + SPECK_MM])
+        return int(some[shapely.distance(self.areas[some], self.areas[p]).argmin()])
+
     @cached_property
     def _bounds(self) -> Floats:
         return np.asarray(shapely.bounds(self.areas)).reshape(-1, 4)

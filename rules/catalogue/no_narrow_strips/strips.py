@@ -56,9 +56,7 @@ class Islands:
         for on_it, border in self._closed_by(p):
             if (elsewhere := np.setdiff1d(np.flatnonzero(~self.out), on_it)).size:
                 fewer, more = sorted((on_it, elsewhere), key=len)
-                away_mm = shapely.distance(metal.areas[more], metal.areas[p])
-                other = int(more[np.lexsort((more, away_mm))[0]])
-                yield "island", sorted(border.tolist()), [int(fewer.min()), other]
+                yield "island", sorted(border.tolist()), [int(fewer.min()), metal.nearest(p, more)]
 
     def _closed_by(self, p: int) -> list[Island]:
         """The islands beside part `p` now that it is out.
