@@ -238,7 +238,8 @@ class OrderRule(Rule[OptionsT]):
     def violations(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Violation]:
         """Every pair that is cut the wrong way round."""
         at = cuts.positions()
-        found = (out_of_order(*pair, at) for pair in self.pairs(nest, cuts, options))
+        turned = [pair for pair in self.pairs(nest, cuts, options) if at.get(pair[0], 0) > at.get(pair[1], 0)]
+        found = (out_of_order(*pair, at) for pair in turned)
         return [
             Violation(self.id, ids, f"{text}: {self.reason(ids[0], ids[1], cuts.start_side)}", positions)
             for ids, text, positions in filter(None, found)

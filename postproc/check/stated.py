@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import compress
 
 import numpy as np
@@ -108,7 +109,7 @@ def wrong_times(program: NcProgram, profile: ProfileValues, planned_s: float | N
 # Begin and end of each cut that a plan states, held against the lengths of its cuts and ways at the profile's feeds.
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class CutTimes:
     """How long each cut, and each way, of a plan may take by the lengths that the check finds.
 
@@ -129,7 +130,6 @@ class CutTimes:
         of_cut, begun = {run.position: run for run in runs}, (run for run in runs if not run.position)
         pierced, at, now = self.cuts.pierced, self.cuts.home, 0.0
         leans = {c.id for c in (self.nest.drawn or self.nest).contours if c.bevelled}
-        in_metal = self._surely_pierced()
         loose = False  # where bevels and blocks of torches end nobody follows here
         for position, cut in self.cuts.new_burns:
             run = of_cut.get(position) if self.cuts.finishes(position, cut) else next(begun, None)
@@ -144,7 +144,7 @@ class CutTimes:
                 yield from self._way(name, cut.start_s - now, 0.0 if cut.linked else math.dist(at, cut.pierce))
             loose = cut.contour in leans
             if run is not None and not loose:
-                yield from self._cut(name, cut, run, position not in self.unpierced and cut.pierce in in_metal)
+                yield from self._cut(name, cut, run, position not in self.unpierced and cut.pierce in self._in_metal)
             at, now = end_of(self.nest, cut), cut.end_s
         if not loose:
             yield from self._way("the machine's home", self.total_s - now, math.dist(at, self.cuts.home))
@@ -173,15 +173,18 @@ class CutTimes:
         says_s = cut.end_s - cut.start_s
         yield from self._beyond(name, says_s, stands[0] + run.length_mm / (feed * high), stands[1] + most_s)
 
-    def _surely_pierced(self) -> set[Point]:
+    @cached_property
+    def _in_metal(self) -> set[Point]:
         """Where cuts begin in the metal of the sheet, which they pierce but in older kerfs."""
         if self.profile.cuts.pierce_pass is not None:
             return set()
         inner = shapely.buffer(shapely.make_valid(self.nest.sheet.polygon), -tolerance_mm())
-        shapely.prepare(inner)
         points = [cut.pierce for _, cut in self.cuts.new_burns]
-        inside = shapely.contains_xy(inner, np.array(points).reshape(-1, 2))
-        return set(compress(points, inside.tolist()))
+        return set(compress(points, shapely.contains_xy(inner, np.array(points).reshape(-1, 2)).tolist()))
+
+    @cached_property
+    def _longest_dwell_s(self) -> float:
+        return longest_dwell_s(self.profile)
 
     def _stops_s(self, cut: Cut, feed_mm_s: float) -> float:
         """How much longer a cut takes at the most where the torch speeds up and stops on every line and arc."""
@@ -194,7 +197,7 @@ class CutTimes:
 
     def _way(self, name: str, says_s: float, way_mm: float) -> Iterator[str]:
         least_s = way_mm / self.profile.machine.travel_mm_s
-        most_s = least_s + longest_dwell_s(self.profile)
+        most_s = least_s + self._longest_dwell_s
         if self.profile.time.model == "acceleration":
             most_s += self.profile.machine.travel_mm_s / self.profile.time.acceleration_mm_s2 * 2
         yield from self._beyond(f"the way to {name}", says_s, least_s, most_s)

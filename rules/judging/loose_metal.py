@@ -72,8 +72,11 @@ def loosened(sheet: shapely.Geometry, burns: Sequence[shapely.Geometry], kerf_mm
         return []
     lines = np.array(burns, dtype=object)
     tree = shapely.STRtree(lines)
-    hull, line = tree.query(shapely.convex_hull(lines), "intersects")
-    entered = np.bincount(hull[line > hull], minlength=len(lines)) > 0
+    pairs = tree.query(lines)
+    first, later = pairs[:, pairs[1] > pairs[0]]  # what enters the hull of a burn lies in its box
+    some, of = np.unique(first, return_inverse=True)
+    enters = shapely.intersects(shapely.convex_hull(lines[some])[of], lines[later])
+    entered = np.bincount(first[enters], minlength=len(lines)) > 0
     kerfs, owner, label = _kerfs(sheet, lines, kerf_mm, entered | _near_others(sheet, lines, tree, kerf_mm))
     n, border = len(kerfs), shapely.boundary(sheet)
     found: list[Face] = []

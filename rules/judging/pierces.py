@@ -105,16 +105,11 @@ class PiercePlaces:
 
     def crossing_leads(self) -> Iterator[Finding]:
         """Leads that cross a contour; their own they may touch where they join it."""
-        leads = [
-            (k, contour, name, curve.line())
-            for k, cut, contour in self.cuts
-            for name, curve in (("link" if cut.linked else "lead-in", cut.lead_in), ("lead-out", cut.lead_out))
-            if curve is not None and curve.length_mm > 0
-        ]
-        drawn = np.array([line for *_, line in leads], dtype=object)
+        leads = [(k, contour, *lead) for k, cut, contour in self.cuts for lead in _named_leads(cut)]
+        drawn = lines_of([curve for *_, curve in leads], CHORD_MM)
         for row, j in pairs_found(self.lines.query(drawn, "intersects")):
-            (k, contour, name, line), met = leads[row], self.through[j]
-            if met is contour and (contour.kind == "slit" or not _strays(line, contour)):
+            (k, contour, name, _), met = leads[row], self.through[j]
+            if met is contour and (contour.kind == "slit" or not _strays(drawn[row], contour)):
                 continue
             other = "its own contour" if met is contour else met.id
             ids = (contour.id,) if met is contour else (contour.id, met.id)
