@@ -51,6 +51,7 @@ from kerfwise.rules.statements import (
     Pick,
     Precede,
     Statement,
+    Steps,
 )
 
 __all__ = [
@@ -103,6 +104,7 @@ __all__ = [
     "Sheet",
     "Side",
     "Statement",
+    "Steps",
     "Strength",
     "TemperatureLimit",
     "Text",

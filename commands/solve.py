@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from kerfwise.app_modules import app_module
 from kerfwise.encoder.errors import InputError
@@ -243,6 +244,9 @@ def command(
 ) -> int:
     """Write a checked cutting program of NEST that keeps every hard rule of the profile."""
     began_s = counted_s()
+    solver_from = click.get_current_context().get_parameter_source("solver")
+    if limits["engine"] != "minizinc" and solver_from is not ParameterSource.DEFAULT:
+        raise click.UsageError("--solver is for --engine minizinc")
     from kerfwise.jobs.request import options_for
     from kerfwise.jobs.time_limits import CommandLimit
     from kerfwise.jobs.warm_up import search_beside

@@ -32,6 +32,7 @@ from .request import Request
 if TYPE_CHECKING:
     from .cooler_orders import SimulatedOrders
 
+GECODE = "gecode"
 OrdersOf = Callable[[Facts, Profile, Stated], "SimulatedOrders"]
 """Makes what finds orders by simulation."""
 
@@ -54,7 +55,7 @@ class Method(NamedTuple):
     """
 
     engine: Engine = "portfolio"
-    solver: str = "gecode"
+    solver: str = GECODE
     strategy: Strategy = "ours"
     start: Plan | None = None
     first: bool = False
@@ -71,7 +72,7 @@ class Method(NamedTuple):
         return self.engine if self.strategy == "ours" else "portfolio"
 
     def expect_fits(self, profile: Profile) -> None:
-        """Refuse a plan to start from, or a first plan, of another engine, and MiniZinc where it cannot plan.
+        """Refuse a plan to start from, a first plan or a solver of another engine, and MiniZinc where it cannot plan.
 
         Raises
         ------
@@ -85,6 +86,8 @@ class Method(NamedTuple):
             from kerfwise.rules.minizinc.installation import solver_named
 
             solver_named(self.solver)
+        elif self.solver != GECODE:
+            raise InputError(f"the solver {self.solver} is for the engine minizinc")
 
     def looks_at_zones(self, contours: int, profile: Profile) -> bool:
         """Whether anybody looks at zones that geometry draws: a first plan has the whole sheet in one."""

@@ -170,10 +170,6 @@ class Rule(ABC, Generic[OptionsT]):
         """What is wrong with a complete order of contour ids that no statement could say beforehand."""
         return []
 
-    def unstated(self, facts: Facts, order: Sequence[str] | None, options: OptionsT) -> Iterable[Statement]:
-        """What `statements` leaves out as too much: all, or what a whole order of ids breaks and what is like that."""
-        return ()
-
     def fact_options(self, given: FactOptions, options: OptionsT, strength: Strength) -> FactOptions:
         """The options of the facts, with what this rule needs of them in the place of what is `given`.
 

@@ -22,6 +22,16 @@ class Before:
 
 
 @dataclass(frozen=True, slots=True)
+class Steps:
+    """Literal: contour `j` is cut `least` to `most` cuts after contour `i`; a negative number is so many before it."""
+
+    i: int
+    j: int
+    least: int = 1
+    most: int = 1
+
+
+@dataclass(frozen=True, slots=True)
 class Pick:
     """Literal: candidate `c` is used."""
 
@@ -37,11 +47,11 @@ class Enough:
     bound: int
 
 
-Literal = Before | Pick | Enough
+Literal = Before | Steps | Pick | Enough
 
 
-def plain(literals: Iterable[Literal]) -> Iterator[Before | Pick]:
-    """The orders and picks among the literals, and within them.
+def plain(literals: Iterable[Literal]) -> Iterator[Before | Steps | Pick]:
+    """The orders, steps and picks among the literals, and within them.
 
     Examples
     --------
@@ -85,6 +95,8 @@ def value_of(literal: Literal, known: KnownPlan) -> bool | None:
     match literal:
         case Before(i, j):
             return bool(known.place[i] < known.place[j])
+        case Steps(i, j, least, most):
+            return bool(least <= known.place[j] - known.place[i] <= most)
         case Pick(c):
             return known.picks(c)
         case Enough(literals, weights, bound):
@@ -173,7 +185,7 @@ class AtLeast(StatementKind):
 
     def contours_named(self) -> Iterator[int]:
         for literal in plain(self.literals):
-            if isinstance(literal, Before):
+            if not isinstance(literal, Pick):
                 yield from (literal.i, literal.j)
 
     def candidates_named(self) -> Iterator[int]:

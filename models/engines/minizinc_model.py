@@ -39,6 +39,7 @@ from kerfwise.rules.statements import (
     Pick,
     Precede,
     Statement,
+    Steps,
     by_kind,
 )
 from kerfwise.rules.stating.state_rules import Stated
@@ -282,6 +283,8 @@ def _literal(literal: Literal) -> str:
     match literal:
         case Before(i, j):
             return f"before({i + 1}, {j + 1})"
+        case Steps(i, j, least, most):
+            return f"(position[{j + 1}] - position[{i + 1}] in {least}..{most})"
         case Pick(c):
             return f"picked({c + 1})"
         case Enough(within, weights, bound):

@@ -8,7 +8,7 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.encoder.geometry.tolerances import cost_um
-from kerfwise.rules.statements import About, AtLeast, Before, Crossing, Enough, Lag, Move, Pick, by_kind
+from kerfwise.rules.statements import About, AtLeast, Before, Crossing, Enough, Lag, Move, Pick, Steps, by_kind
 
 from .bitsets import ROWS_AT_ONCE
 from .conditions import Condition
@@ -130,6 +130,8 @@ def _enough(problem: Problem, statement: AtLeast | Enough, position: dict[int, i
         match literal:
             case Before(i, j):
                 total += weight * (position[i] < position[j])
+            case Steps(i, j, least, most):
+                total += weight * (least <= position[j] - position[i] <= most)
             case Pick(c):
                 total += weight * (int(problem.candidate_site[c]) in picked)
             case Enough():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from kerfwise.rules.statements import Before, Pick
@@ -287,24 +287,6 @@ def holds_under(node: Node, known: Mapping[Lit, bool]) -> Node:
         result = holds_under(term, known)
         weights[result] = weights.get(result, 0) + weight
     return gate(weights, node.bound)
-
-
-def holds_in(node: Node, place: Sequence[int]) -> bool:
-    """Whether a node without picks and seconds holds in an order, given each contour's place in it."""
-    if isinstance(node, bool):
-        return node
-    if isinstance(node, Gate):
-        return sum(weight for term, weight in node.terms if holds_in(term, place)) >= node.bound
-    match node.atom:
-        case Before(i, j):
-            true = place[i] < place[j]
-        case Next(i, j):
-            true = place[j] == place[i] + 1
-        case Apart(i, j, cuts):
-            true = abs(place[i] - place[j]) > cuts
-        case Pick():
-            raise AssertionError(f"an order does not tell whether {node} holds")
-    return true == node.holds
 
 
 def is_certain(node: Node) -> bool:

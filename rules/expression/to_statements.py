@@ -23,6 +23,7 @@ from kerfwise.rules.statements import (
     Pick,
     Precede,
     Statement,
+    Steps,
 )
 
 from .node import (
@@ -36,16 +37,13 @@ from .node import (
     NotNext,
     Run,
     Stays,
-    all_of,
     any_of,
     gate,
     holds_under,
     literals,
-    opposite,
     order,
     parts,
 )
-from .numbers import Sum, at_least, at_most, plus, position
 
 
 def statement_of(asked: Asked, about: About) -> Statement:
@@ -198,7 +196,7 @@ class Writer:
                     "a soft rule cannot ask for pause_ms, since each breach costs the same, however long: make the "
                     "rule hard, or ask softly for cuts_between; missing seconds have a price in own_rules, by apart",
                 )
-        plain = merged(without_words(node, len(self.nest.contours)))
+        plain = merged(node)
         if self.in_parts:
             for clause in clauses(plain):
                 yield from self._simple(merged(clause), sentence, about)
@@ -291,8 +289,8 @@ class Writer:
                 break
             if isinstance(lit.atom, Pick):
                 numbers[self.ways[lit.atom.c].contour] = None
-            elif isinstance(lit.atom, Before):
-                numbers |= dict.fromkeys(lit.ends)
+            else:
+                numbers |= dict.fromkeys(lit.ends if isinstance(lit.atom, Before) else (lit.atom.i, lit.atom.j))
         named = dict.fromkeys(of) if of and len(numbers) > MOST_TOLD else numbers
         ids = [self.nest.contours[k].id for k in named]
         return About(self.rule, tuple(ids), self._sentence(sentence, ids, ""))
@@ -306,7 +304,7 @@ class Writer:
 
 MOST_NAMED = 6
 MOST_SHARED = 20_000
-"""Conditions within others, and words written out, that are kept for whoever names them again."""
+"""Conditions within others that are kept for whoever names them again."""
 
 
 def _said(says: Sequence[str], k: int) -> str | None:
@@ -319,8 +317,15 @@ def _literal(term: Lit | Gate) -> tuple[Literal, int]:
         return _within(term), 1
     if isinstance(term.atom, Before):
         return term.atom if term.holds else Before(*term.ends), 1
-    assert isinstance(term.atom, Pick), "words were written out"
-    return term.atom, 1 if term.holds else -1
+    sign = 1 if term.holds else -1
+    match term.atom:
+        case Next(i, j):
+            return Steps(i, j), sign
+        case Apart(i, j, cuts) if cuts:
+            return Steps(i, j, -cuts, cuts), -sign
+        case Pick():
+            return term.atom, sign
+    raise NotExpressible(0, "pause_ms stands by itself only: pause_ms(i, j) >= a number, as a condition of its own")
 
 
 @lru_cache(maxsize=MOST_SHARED)
@@ -383,47 +388,6 @@ def _run_element(node: Node) -> tuple[int, frozenset[int]] | None:
     if ahead != {order(own, other) for other in others} or len(after) + 1 != len(node.terms):
         return None
     return own, frozenset(others | {own})
-
-
-def without_words(node: Node, n: int) -> Node:
-    """The node over orders and picks alone: what comes next, and how many cuts lie between, by positions.
-
-    Raises NotExpressible for seconds, which no order says.
-    """
-    if isinstance(node, bool):
-        return node
-    if isinstance(node, Gate):
-        if all(isinstance(lit.atom, Before | Pick) for lit in literals(node)):
-            return node
-        values: dict[Node, int] = {}
-        for term, weight in node.terms:
-            plain = without_words(term, n)
-            values[plain] = values.get(plain, 0) + weight
-        return gate(values, node.bound)
-    return _without_word(node, n)
-
-
-@lru_cache(maxsize=MOST_SHARED)
-def _without_word(node: Lit, n: int) -> Node:
-    """The same of a literal: a rule asks of each as often as it names it."""
-    atom = node.atom
-    match atom:
-        case Before() | Pick():
-            return node
-        case Next(i, j):
-            plain = all_of([order(i, j), at_most(_gap(i, j, n), 1)])
-        case Apart(i, j, cuts) if cuts:
-            plain = any_of([at_least(_gap(i, j, n), cuts + 1), at_least(_gap(j, i, n), cuts + 1)])
-        case Apart():
-            raise NotExpressible(
-                0, "pause_ms stands by itself only: pause_ms(i, j) >= a number, as a condition of its own"
-            )
-    return plain if node.holds else opposite(plain)
-
-
-def _gap(i: int, j: int, n: int) -> Sum:
-    """How many positions contour j is after contour i."""
-    return plus([(1, position(j, n)), (-1, position(i, n))])
 
 
 MOST_CLAUSES = 5_000

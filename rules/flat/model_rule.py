@@ -6,16 +6,12 @@ import dataclasses
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, make_dataclass
+from dataclasses import field, make_dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
-import numpy as np
-import shapely
-
-from kerfwise.arrays import Floats
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
@@ -37,8 +33,6 @@ from .nest_data import Limits, further_words, measured_data, missing, order_data
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import FactOptions, Facts
-    from kerfwise.rules.expression.late_parts import LateParts
-    from kerfwise.rules.expression.to_statements import Writer
 
     from .flatten import Flattened, JudgedOrder
 
@@ -119,31 +113,17 @@ class ModelRule(Rule[Any]):
             )
 
     def statements(self, facts: Facts, options: Any) -> Iterator[Statement]:
-        """What the file says of the facts, but for what `unstated` does."""
-        yield from self._read(facts, options).stated
+        """What the file says of the facts, kept as long as these live; by other zones it is the same.
 
-    def unstated(self, facts: Facts, order: Sequence[str] | None, options: Any) -> Iterator[Statement]:
-        read, index = self._read(facts, options), facts.nest.index
-        if not read.late.nodes:
-            return
-        numbers: Sequence[int] = range(len(read.late.nodes))
-        if order is not None:
-            numbers = read.late.broken([index[name] for name in order if name in index], _middles_mm(facts))
-        for k in numbers:
-            yield from self._expressed(read.writer.of_part(read.late.nodes[k], read.says, read.late.element[k]))
-
-    def _read(self, facts: Facts, options: Any) -> _Read:
-        """What the file says of the facts, kept as long as these live: each look at an order asks once more.
-
-        By other zones it is the same, where the file does not name zones.
+        That is where the file does not name zones.
         """
         kept, key = _stated.setdefault(facts, {}), (self, options)
         if key not in kept and not self.minds_zones:
             alike = (of[key] for other, of in [*_stated.items()] if key in of and _same_but_for_zones(other, facts))
-            kept.update((key, read) for read in alike)
+            kept.update((key, stated) for stated in alike)
         if key not in kept:
             kept[key] = self._read_anew(facts, options)
-        return kept[key]
+        yield from kept[key]
 
     def _expressed(self, statements: Iterator[Statement]) -> Iterator[Statement]:
         """The statements, asking after each whether there is time for more."""
@@ -159,8 +139,7 @@ class ModelRule(Rule[Any]):
             element = f"element {error.element} of {self.file.array}: " if error.element else ""
             raise InputError(f"rule {self.id}: {element}{error}", file=self.file.path, line=self.file.line) from None
 
-    def _read_anew(self, facts: Facts, options: Any) -> _Read:
-        from kerfwise.rules.expression.late_parts import LateParts, without_late_parts
+    def _read_anew(self, facts: Facts, options: Any) -> tuple[Statement, ...]:
         from kerfwise.rules.expression.to_statements import Way, Writer
 
         from .flatten import flatten  # most runs have no rule in a file: they do without the reading of such
@@ -183,14 +162,12 @@ class ModelRule(Rule[Any]):
                 file=self.file.path,
                 line=self.file.bare or self.file.line,
             )
-        soon: tuple[Sequence[Node], Sequence[Node], LateParts] = (flat.elements, flat.further, LateParts())
-        elements, bare, late = without_late_parts(flat.elements, flat.further, _middles_mm(facts)) if in_parts else soon
-        stated = [*self._expressed(writer.written(elements, says, bare))]
+        stated = [*self._expressed(writer.written(flat.elements, says, flat.further))]
         for array, nodes in zip(further, flat.others, strict=True):
             one_by_one = dataclasses.replace(writer, in_parts=array.weight_mm is None and in_parts)
             for statement in self._expressed(one_by_one.written(nodes, (), ())):
                 stated.append(dataclasses.replace(statement, weight=array.weight_mm))  # type: ignore[arg-type]
-        return _Read(tuple(stated), writer, says, late)
+        return tuple(stated)
 
     def words(self, nest: Nest, options: Any) -> str:
         """MiniZinc text of the words beside the facts that the file names."""
@@ -436,18 +413,8 @@ def parameters_data(file: ModelFile, options: Any) -> Fields:
     return [(p.name, json.dumps(getattr(options, p.key), ensure_ascii=False)) for p in file.parameters]
 
 
-@dataclass(frozen=True, slots=True)
-class _Read:
-    """What a file comes to on a nest: what is stated, and what is stated late, with what writes it."""
-
-    stated: tuple[Statement, ...]
-    writer: Writer
-    says: Sequence[str]
-    late: LateParts
-
-
 _facts: WeakKeyDictionary[Facts, str] = WeakKeyDictionary()
-_stated: WeakKeyDictionary[Facts, dict[tuple[ModelRule, Any], _Read]] = WeakKeyDictionary()
+_stated: WeakKeyDictionary[Facts, dict[tuple[ModelRule, Any], tuple[Statement, ...]]] = WeakKeyDictionary()
 
 
 def facts_data(facts: Facts) -> str:
@@ -462,11 +429,6 @@ def facts_data(facts: Facts) -> str:
 def _same_but_for_zones(one: Facts, other: Facts) -> bool:
     names = (f.name for f in dataclasses.fields(one) if f.name != "zone")
     return all(getattr(one, name) is getattr(other, name) for name in names)
-
-
-def _middles_mm(facts: Facts) -> Floats:
-    """Where contours are, (n, 2)."""
-    return np.asarray(shapely.get_coordinates(shapely.centroid([contour.line for contour in facts.nest.contours])))
 
 
 def _way_words(entry: tuple[float, float], direction: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -15,7 +15,7 @@ from kerfwise.rules.judging.loose_metal import OVER_MM, beside_metal, crumbs, lo
 from kerfwise.rules.rule import NoGoodIds, Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About, NoGood, Precede, Statement, by_kind
 
-from .reduced_statements import GantryStatements, Remainder, remaining_no_good, rest_of, stated_by
+from .reduced_statements import GantryStatements, Remainder, remaining_no_good, rest_of
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Copies, Facts
@@ -42,14 +42,12 @@ def lazy_statements(facts: Facts, profile: ActiveRules) -> Callable[[Sequence[in
     nest, whole, book = facts.nest, facts.whole_nest, profile.rulebook()
     index, rest, cut_before = whole.index, rest_of(facts), [cut.contour for cut in facts.already_cut]
     reported: set[tuple[str, frozenset[int], frozenset[int]]] = set()
-    stated: set[Statement] = set()
     enclosing: set[tuple[str, ...]] = set()
 
     def look(order: Sequence[int]) -> tuple[Statement, ...]:
         found: list[Statement] = []
         for names in _in_turn(facts, [*cut_before, *(nest.contours[k].id for k in order)]):
             found += looked(names)
-            found += left_out(names)
             found += in_loose_metal(names)
         return tuple(found)
 
@@ -65,12 +63,6 @@ def lazy_statements(facts: Facts, profile: ActiveRules) -> Callable[[Sequence[in
                     seen = NoGood(out, left, about, hard if setting.weight is None else setting.weight)
                     yield from remaining_no_good(seen, rest) if facts.copies is None else _of_first(facts.copies, seen)
 
-    def left_out(names: Sequence[str]) -> Iterator[Statement]:
-        for statement in unstated(facts, profile, names):
-            if statement not in stated:
-                stated.add(statement)
-                yield statement
-
     def in_loose_metal(names: Sequence[str]) -> Iterator[Statement]:
         for statement in enclosed(facts, rest, names):
             if (names_of := statement.about.contours) not in enclosing:
@@ -80,23 +72,10 @@ def lazy_statements(facts: Facts, profile: ActiveRules) -> Callable[[Sequence[in
     return look
 
 
-def unstated(facts: Facts, profile: ActiveRules, names: Sequence[str] | None) -> Iterator[Statement]:
-    """What hard rules have left out of their statements for there is too much of it, as `Rule.unstated` has it."""
-    book = profile.rulebook()
-    for name, setting in profile.settings().items():
-        if setting.weight is None and type(book[name]).unstated is not Rule.unstated:
-            yield from stated_by(book[name], facts, setting.options, _left_out(book[name], names, setting.options))
-
-
-def _left_out(rule: Rule[Any], names: Sequence[str] | None, options: Any) -> Callable[[Facts], Iterable[Statement]]:
-    return lambda of: rule.unstated(of, names, options)
-
-
 def looks_at_orders(facts: Facts, profile: ActiveRules) -> bool:
     """Whether some rule that is on says of whole orders what it does not state."""
     book = profile.rulebook()
-    late = any(type(book[name]).no_goods is not Rule.no_goods for name in profile.settings())
-    return late or next(unstated(facts, profile, None), None) is not None
+    return any(type(book[name]).no_goods is not Rule.no_goods for name in profile.settings())
 
 
 def forbids_later(facts: Facts, profile: ActiveRules) -> bool:
@@ -108,8 +87,7 @@ def forbids_later(facts: Facts, profile: ActiveRules) -> bool:
         return True
     book = profile.rulebook()
     hard = (book[name] for name, setting in profile.settings().items() if setting.weight is None)
-    late = any(type(rule).no_goods is not Rule.no_goods and not rule.excusable for rule in hard)
-    return late or next(unstated(facts, profile, None), None) is not None
+    return any(type(rule).no_goods is not Rule.no_goods and not rule.excusable for rule in hard)
 
 
 def _of_first(copies: Copies, seen: NoGood) -> Iterator[Statement]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, assert_never
 
@@ -29,6 +29,7 @@ from kerfwise.rules.statements import (
     Pick,
     Precede,
     Statement,
+    Steps,
     candidates_named,
     contours_named,
 )
@@ -162,6 +163,10 @@ def _left(literal: Literal, rest: Remainder) -> Literal | bool:
         case Before(i, j):
             known = rest.known(i, j)
             return Before(rest.number[i], rest.number[j]) if known is None else known
+        case Steps(i, j) if rest.left(i, j):
+            return replace(literal, i=rest.number[i], j=rest.number[j])
+        case Steps():
+            return _left(by_orders(literal, len(rest.number)), rest)
         case Enough():
             left = _open(literal, rest)
             if sum(min(w, 0) for w in left.weights) >= left.bound:
@@ -169,6 +174,21 @@ def _left(literal: Literal, rest: Remainder) -> Literal | bool:
             return left if sum(max(w, 0) for w in left.weights) >= left.bound else False
         case _:
             assert_never(literal)
+
+
+def by_orders(steps: Steps, n: int, *, holds: bool = True) -> Enough:
+    """Steps, or that they do not hold, by the orders of n contours: so many more come before the one than the other.
+
+    Examples
+    --------
+    >>> by_orders(Steps(0, 1), 2).literals[0]
+    Enough(literals=(Before(i=0, j=1), Before(i=1, j=0)), weights=(1, -1), bound=1)
+    """
+    i, j = steps.i, steps.j
+    orders = (*(Before(k, j) for k in range(n) if k != j), *(Before(k, i) for k in range(n) if k != i))
+    up, down = (1,) * (n - 1) + (-1,) * (n - 1), (-1,) * (n - 1) + (1,) * (n - 1)
+    after, ahead = (steps.least, -steps.most) if holds else (steps.most + 1, 1 - steps.least)
+    return Enough((Enough(orders, up, after), Enough(orders, down, ahead)), (1, 1), 2 if holds else 1)
 
 
 def _at_least(s: AtLeast, rest: Remainder) -> Iterator[Statement]:
@@ -182,22 +202,18 @@ def _at_least(s: AtLeast, rest: Remainder) -> Iterator[Statement]:
         yield Forbid(s.when, s.about, s.weight)
 
 
-def stated_by(
-    rule: Rule[Any], facts: Facts, options: Any, asked: Callable[[Facts], Iterable[Statement]] | None = None
-) -> Iterable[Statement]:
+def stated_by(rule: Rule[Any], facts: Facts, options: Any) -> Iterable[Statement]:
     """What a rule states of the facts; one that looks at the whole nest states of that, without what is decided.
 
     Where several torches cut at once, every rule states of the whole, and that is put in terms of the first torch.
-    With `asked` it is that in place of the rule's statements.
     """
-    asked = asked or (lambda of: rule.statements(of, options))
     if facts.copies is not None:
-        whole = asked(facts.copies.whole)
+        whole = rule.statements(facts.copies.whole, options)
         return GantryStatements(facts.copies, excusable=rule.excusable).of_first(whole, rule.of_each_torch)
     facts = facts if rule.minds_ways else without_ways(facts)
     if facts.past is None or not rule.of_whole_nest:
-        return asked(facts)
-    return remaining_statements(asked(facts.past.whole), rest_of(facts))
+        return rule.statements(facts, options)
+    return remaining_statements(rule.statements(facts.past.whole, options), rest_of(facts))
 
 
 # Every contour stands for all that is cut together with it. What is cut at one time has no order: of two such
@@ -317,8 +333,9 @@ class GantryStatements:
                     if whole_sum is None:
                         at_once.add(i)
                         bound -= weight if sign * weight < 0 else 0
-                case Enough():
-                    whole_sum, more = self._sum(literal, sign if weight > 0 else -sign)
+                case Enough() | Steps():
+                    within = literal if isinstance(literal, Enough) else by_orders(literal, len(self.number))
+                    whole_sum, more = self._sum(within, sign if weight > 0 else -sign)
                     at_once |= more
                 case _:
                     assert_never(literal)

@@ -12,9 +12,10 @@ import numpy as np
 
 from kerfwise.arrays import Ints
 from kerfwise.rules.registry import RULES
-from kerfwise.rules.statements import AtLeast, Before, Enough, Literal, Pick, Precede, Statement, by_kind, plain
+from kerfwise.rules.statements import AtLeast, Before, Enough, Literal, Pick, Precede, Statement, Steps, by_kind, plain
 
 from .feasible_sums import shown_impossible, sums_of_orders
+from .reduced_statements import by_orders
 
 if TYPE_CHECKING:
     from kerfwise.encoder.facts.facts import Facts
@@ -106,6 +107,11 @@ def _most(literal: Literal, weight: int, zone: Ints, together: frozenset[int]) -
             if zone[i] == zone[j]:
                 return min(weight, 0) if {i, j} <= together else max(weight, 0)
             return weight if zone[i] < zone[j] else 0
+        case Steps():
+            if weight > 0:
+                return weight if _possible(by_orders(literal, len(zone)), zone, together) else 0
+            move = literal.least == literal.most  # seldom the only way
+            return 0 if move or _possible(by_orders(literal, len(zone), holds=False), zone, together) else weight
         case _:
             assert_never(literal)
 
@@ -181,5 +187,7 @@ def _wanted(s: AtLeast | Enough, zone: Ints) -> Iterator[tuple[int, int]]:
                     yield from _wanted(literal, zone)
             case Before(i, j):
                 yield (i, j) if weight > 0 else (j, i)
+            case Steps():
+                yield from _wanted(by_orders(literal, len(zone), holds=weight > 0), zone)
             case _:
                 assert_never(literal)

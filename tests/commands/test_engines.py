@@ -9,6 +9,7 @@ import minizinc
 import pytest
 from click.testing import CliRunner
 
+from kerfwise import InputError, solve
 from kerfwise.cli import program
 from kerfwise.tests.commands.run_cli import kerfwise
 
@@ -21,6 +22,20 @@ def test_the_solvers_of_minizinc_are_listed() -> None:
     assert first.split()[0] == "portfolio"
     assert "old name cp-sat" in first
     assert any(line.split()[:3] == ["minizinc", "--solver", "gecode"] for line in others), result.out
+
+
+@pytest.mark.parametrize("named", [("gecode",), ("chuffed", "--engine", "cp-sat-alone")])
+def test_a_solver_without_its_engine_is_refused(named: tuple[str, ...]) -> None:
+    """It was not looked at."""
+    done = CliRunner().invoke(program, ["solve", "none.json", "--solver", *named])
+    assert done.exit_code == 2
+    assert "--solver is for --engine minizinc" in done.output
+
+
+def test_python_refuses_a_solver_without_its_engine() -> None:
+    nest = Path(__file__).parents[2] / "examples" / "nests" / "e1x_6.dxf"
+    with pytest.raises(InputError, match="the solver chuffed is for the engine minizinc"):
+        solve(nest, solver="chuffed")
 
 
 def test_without_minizinc_it_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:

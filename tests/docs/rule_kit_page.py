@@ -32,7 +32,7 @@ GROUPS = {
     ),
     "What it states": (
         "Precede", "Forbid", "AtLeast", "Contiguous", "Lag", "Move", "NoGood", "Crossing", "Statement", "Before",
-        "Pick", "Enough", "About",
+        "Steps", "Pick", "Enough", "About",
     ),
     "What it may read": (
         "Nest", "Sheet", "Part", "Contour", "Kind", "Curve", "Point", "Facts", "Column", "Candidate", "Cut",

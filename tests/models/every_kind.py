@@ -29,6 +29,7 @@ from kerfwise.rule_kit import (
     Pick,
     Precede,
     Statement,
+    Steps,
 )
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import IdleTravel, Link
@@ -159,6 +160,18 @@ def _hard() -> Iterator[Example]:
         AtLeast((Pick(1), Pick(3), Pick(5), Before(3, 2)), (1, 1, 1, 1), 2, ABOUT),
         lambda way: sum(c in way.candidates for c in (1, 3, 5)) + (way.place(3) < way.place(2)) < 2,
         ((2, 3),),
+    )
+    yield Example(
+        "moves one after the other",
+        AtLeast((Steps(1, 2), Steps(2, 3)), (-1, -1), -1, ABOUT),
+        lambda way: way.place(1) + 2 == way.place(2) + 1 == way.place(3),
+        ((1, 2), (2, 3)),
+    )
+    yield Example(
+        "sum of steps",
+        AtLeast((Steps(0, 1, -1, 1), Before(0, 2)), (-1, 1), 0, ABOUT),
+        lambda way: abs(way.place(0) - way.place(1)) == 1 and way.place(2) < way.place(0),
+        ((0, 1), (2, 0)),
     )
     yield Example("run", Contiguous((0, 3), ABOUT), lambda way: abs(way.place(0) - way.place(3)) - 1 and 1, ((0, 1),))
     yield Example(

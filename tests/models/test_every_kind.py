@@ -61,7 +61,10 @@ KINDS = get_args(Statement)
 MEMBERS: tuple[Member | None, ...] = (None, *get_args(Member))
 EXACT: tuple[Member | None, ...] = (None, "cp-sat")
 """What must prove its plan, whatever the kind."""
-LOOKS_BACK = ("sum of entries", "sum of sums", "lag of cuts", "lag of seconds")
+LOOKS_BACK = (
+    *("sum of entries", "sum of sums", "sum of steps", "moves one after the other"),
+    *("lag of cuts", "lag of seconds"),
+)
 NOT_ALONE = {("ideals", name) for name in LOOKS_BACK}
 """What a state of these members does not hold: alone they have no plan, or one that they do not call the best."""
 HARD = [e for e in examples() if e.hard]

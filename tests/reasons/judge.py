@@ -28,6 +28,7 @@ from kerfwise.rule_kit import (
     Pick,
     Precede,
     Statement,
+    Steps,
 )
 from kerfwise.rules.statements import IdleTravel, Link, Literal
 
@@ -358,6 +359,8 @@ class Judge:
             match literal:
                 case Before(i, j):
                     total += weight * (at[i] < at[j])
+                case Steps(i, j, least, most):
+                    total += weight * (least <= at[j] - at[i] <= most)
                 case Pick(c):
                     total += weight * (c in used)
                 case Enough():

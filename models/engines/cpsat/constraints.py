@@ -10,9 +10,20 @@ import numpy as np
 from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr, LinearExprT, LiteralT
 
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.statements import Before, Enough, Literal, Pick
+from kerfwise.rules.statements import Before, Enough, Literal, Pick, Steps
 
-from .variables import ArcLiterals, GoOn, Variables, always, cuts_ms, distances, moves_ms, windows, windows_of_steps
+from .variables import (
+    ArcLiterals,
+    GoOn,
+    Variables,
+    always,
+    cuts_ms,
+    distances,
+    in_domain,
+    moves_ms,
+    windows,
+    windows_of_steps,
+)
 
 
 def add_constraints(model: CpModel, problem: Problem, arcs: ArcLiterals, v: Variables, go_on: GoOn = always) -> None:
@@ -221,6 +232,10 @@ def _literal(model: CpModel, problem: Problem, v: Variables, literal: Literal, k
     match literal:
         case Before(i, j):
             return v.before(i, j)
+        case Steps(i, j, 1, 1):
+            return v.follow.get((i, j), False)
+        case Steps(i, j, least, most):
+            return in_domain(model, v.position[j] - v.position[i], least, most)
         case Pick(c):
             return _picked(problem, v, c)
         case Enough(within, weights, bound):

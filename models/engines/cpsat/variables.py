@@ -9,7 +9,7 @@ from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
-from ortools.sat.python.cp_model import CpModel, IntVar, LiteralT
+from ortools.sat.python.cp_model import CpModel, Domain, IntVar, LinearExprT, LiteralT
 
 from kerfwise.arrays import Bools, Int32s, Ints
 from kerfwise.models.engines.deadline import Progress
@@ -133,6 +133,14 @@ def _asked(problem: Problem, crossings: Sequence[OpenCrossing]) -> Iterator[Pair
     for i, j in pairs:
         if i != j and not problem.before[i, j] and not problem.before[j, i]:
             yield min(i, j), max(i, j)
+
+
+def in_domain(model: CpModel, number: LinearExprT, least: int, most: int) -> IntVar:
+    """A new literal that holds if and only if the number is `least` to `most`."""
+    holds, domain = model.new_bool_var(""), Domain(least, most)
+    model.add_linear_expression_in_domain(number, domain).only_enforce_if(holds)
+    model.add_linear_expression_in_domain(number, domain.complement()).only_enforce_if(holds.negated())
+    return holds
 
 
 # Moves over parts that may be out: what the hard orders decide of them, and what stays open.

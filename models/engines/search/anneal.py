@@ -10,6 +10,7 @@ from kerfwise.models.engines.search.moves.exchanges import swap_towards, three_o
 from kerfwise.models.engines.search.moves.insertion import choose_sites, nearest_first, refresh_sites
 from kerfwise.models.engines.search.moves.ruin_recreate import recreate, ruin
 from kerfwise.models.engines.search.state.conditions import (
+    chains_made,
     lean_on_sites,
     literals_unmet,
     pieces_begun,
@@ -31,6 +32,8 @@ from kerfwise.models.engines.search.state.route_state import (
     TRADED,
     TRADES,
     TRIES,
+    WHOLE,
+    WHOLE_BROKEN,
     WORK,
     YES,
     SearchTables,
@@ -119,12 +122,10 @@ class AnnealingWalker(Walker):
 
 
 @compiled
-def span_price(
-    tables: SearchTables, order: Ints, position: Ints, site: Ints, lo: int, hi: int, room: Ints
-) -> tuple[int, int]:
+def span_price(tables: SearchTables, order: Ints, position: Ints, site: Ints, lo: int, hi: int) -> tuple[int, int]:
     """Cost, and number of hard statements broken, of all that positions `lo` … `hi - 1` have a part in.
 
-    Two sequences that differ in this span alone differ in cost by what this differs. `room` is for a number a contour.
+    Two sequences that differ in this span alone differ in cost by what this and `whole_price` differ.
     """
     legs, demands, crossed, groups, lags = tables.legs, tables.demands, tables.crossed, tables.groups, tables.lags
     conditional, crossable = len(demands.contour) > 0, len(crossed.over) > 0
@@ -158,6 +159,14 @@ def span_price(
         for p in range(lo, hi):
             more, worse = too_close_within(lags, order[p], position, hi)
             cost, broken = cost + more, broken + worse
+    return cost, broken
+
+
+@compiled
+def whole_price(tables: SearchTables, order: Ints, position: Ints, site: Ints, room: Ints) -> tuple[int, int]:
+    """The same of what only the whole sequence tells; `room` is for a number a contour."""
+    legs, lags = tables.legs, tables.lags
+    cost, broken = chains_made(tables.chains, order, position)
     if len(lags.a) > 0:
         more, worse = too_soon(lags, legs, order, position, site, room)
         cost, broken = cost + more, broken + worse
@@ -278,9 +287,11 @@ def _settle(tables: SearchTables, state: State, choose: bool, limit: float) -> i
         return 0
     refresh_sites(tables, state, lo, hi, choose)
     state.number[WORK] += 200 + tables.legs.n + 10 * (hi - lo)
-    cost, broken = span_price(tables, state.order, state.position, state.site, lo, hi, state.time_ms)
-    was, was_broken = span_price(tables, state.order_now, state.position_now, state.site_now, lo, hi, state.time_ms)
-    more, worse = cost - was, broken - was_broken
+    cost, broken = span_price(tables, state.order, state.position, state.site, lo, hi)
+    was, was_broken = span_price(tables, state.order_now, state.position_now, state.site_now, lo, hi)
+    whole, whole_broken = whole_price(tables, state.order, state.position, state.site, state.time_ms)
+    more = cost - was + whole - state.number[WHOLE]
+    worse = broken - was_broken + whole_broken - state.number[WHOLE_BROKEN]
     change = more + worse * state.number[PRICE]
     if change > limit:
         _go_back(state, lo, hi)
@@ -288,6 +299,7 @@ def _settle(tables: SearchTables, state: State, choose: bool, limit: float) -> i
     _go_on(state, lo, hi)
     state.number[COST] += more
     state.number[BROKEN] += worse
+    state.number[WHOLE], state.number[WHOLE_BROKEN] = whole, whole_broken
     _note(tables, state)
     return int(change)
 
@@ -349,8 +361,10 @@ def _stand(tables: SearchTables, state: State, choose: bool) -> None:
     if choose:
         choose_sites(tables, state, START, n)
     _go_on(state, START, n)
-    cost, broken = span_price(tables, state.order, state.position, state.site, START, n, state.time_ms)
+    cost, broken = span_price(tables, state.order, state.position, state.site, START, n)
+    whole, whole_broken = whole_price(tables, state.order, state.position, state.site, state.time_ms)
+    state.number[WHOLE], state.number[WHOLE_BROKEN] = whole, whole_broken
     for g in range(len(tables.groups.cost)):
         cost -= tables.groups.cost[g]
-    state.number[COST], state.number[BROKEN] = cost, broken
+    state.number[COST], state.number[BROKEN] = cost + whole, broken + whole_broken
     _note(tables, state)

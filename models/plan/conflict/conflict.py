@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, islice, takewhile
+from itertools import combinations, islice
 from math import comb
 from typing import Any
 
@@ -25,7 +25,6 @@ from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.rule import Rule
 from kerfwise.rules.statements import RELAXED_MM, About, Statement, by_kind
-from kerfwise.rules.stating.lazy_statements import unstated
 from kerfwise.rules.stating.state_rules import (
     HOPELESS,
     DroppedStatement,
@@ -46,7 +45,6 @@ CORE = 0.6
 """Share of what may be spent that goes into what contradicts what; the rest goes into the way out of it."""
 PLANS = 4.0
 """Where seconds are counted, plans are compared only if so many times as many are left as the last look took."""
-TOO_MANY = "no way out was looked for among so many conditions: make such a rule soft or off, or let it be about less"
 NO_HELP = "no rule that may give way helps: change the locks or the nest"
 
 
@@ -143,13 +141,10 @@ def find_conflict(facts: Facts, profile: Profile, deadline: Deadline | None = No
         stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
         return Conflict(alone, True, relax, stuck, (), alone=True, compared=finder.compared)
     core = finder.core(hard_groups(without_cycles(facts, profile, statements)), deadline.part(CORE))
-    late = [] if core else [*takewhile(lambda _: deadline.left > 0, unstated(facts, profile, None))]
-    if late:
-        core = finder.core(hard_groups(without_cycles(facts, profile, [*statements, *late])), deadline.part(CORE))
     if core is None:
         return None
     clash, book = tuple(group.about for group in core.groups), profile.rulebook()
-    stuck, relax = (TOO_MANY, None) if late else _way_out_or_why_none(facts, profile, statements, finder)
+    stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
     clashing = by_kind(s for group in core.groups for s in group.statements)
     forbidden = {s.candidate for s in clashing.forbid}
     rules = dict.fromkeys(about.rule for about in clash)

@@ -1,7 +1,7 @@
 """Whether statements can all hold: a small CP-SAT model of the order and the candidates, no travel in it.
 
 Contours that no statement is about are left out: they can come last. Only a lag counts them, as what may lie between,
-and a place in the order.
+and steps and a place in the order.
 What moves cross, and seconds, are not asked here (`whole` asks them): a clash found without them is one all the same.
 """
 
@@ -25,6 +25,7 @@ from ortools.sat.python.cp_model import (
 )
 
 from kerfwise.encoder.facts.facts import Facts
+from kerfwise.models.engines.cpsat.variables import in_domain
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.rules.statements import (
     AtLeast,
@@ -39,6 +40,7 @@ from kerfwise.rules.statements import (
     NoGood,
     Pick,
     Precede,
+    Steps,
     by_kind,
     contours_named,
     plain,
@@ -65,6 +67,7 @@ class OrderModel:
     position: dict[int, IntVar] = field(default_factory=dict)
     pick: dict[int, IntVar] = field(default_factory=dict)
     order: dict[tuple[int, int], LiteralT] = field(default_factory=dict)
+    steps: dict[tuple[int, int, int, int], LiteralT] = field(default_factory=dict)
     holds: list[IntVar] = field(default_factory=list)
     ends: dict[int, tuple[int, bool]] = field(default_factory=dict)
 
@@ -109,7 +112,8 @@ def build_order_model(facts: Facts, groups: Sequence[Group]) -> OrderModel:
     rest = [replace(group, statements=tuple(s for s in group.statements if id(s) not in ends)) for group in groups]
     mentioned = {k for group in rest for k in contours_of(group, contour_of)} | {k for k, _ in ends.values()}
     kinds = by_kind(s for group in groups for s in group.statements)
-    counts_all = bool(ends or kinds.lag or kinds.move)
+    steps = any(isinstance(literal, Steps) for s in kinds.at_least for literal in plain(s.literals))
+    counts_all = bool(ends or kinds.lag or kinds.move or steps)
     if not counts_all:
         mentioned -= _loose(groups)
     places = facts.n if counts_all else len(mentioned)
@@ -138,7 +142,7 @@ def _loose(groups: Sequence[Group]) -> set[int]:
     for s in kinds.at_least:
         for literal in s.literals:
             if isinstance(literal, Enough):
-                firm |= {k for lit in plain([literal]) if isinstance(lit, Before) for k in (lit.i, lit.j)}
+                firm |= {k for lit in plain([literal]) if not isinstance(lit, Pick) for k in (lit.i, lit.j)}
             elif isinstance(literal, Before):
                 partners[literal.i].add(literal.j)
                 partners[literal.j].add(literal.i)
@@ -155,6 +159,11 @@ def _literal(built: OrderModel, literal: Literal) -> LiteralT:
     match literal:
         case Before(i, j):
             return built.before(i, j)
+        case Steps(i, j, least, most):
+            key = (i, j, least, most)
+            if key not in built.steps:
+                built.steps[key] = in_domain(built.model, built.position[j] - built.position[i], least, most)
+            return built.steps[key]
         case Pick(c):
             return built.candidate(c)
         case Enough(within, weights, bound):

@@ -21,7 +21,19 @@ from kerfwise.rules.expression.node import Lit
 from kerfwise.rules.expression.numbers import ChoiceSum, equal, in_values
 from kerfwise.rules.flat.model_rule import read_model_rule
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.statements import AtLeast, Before, Contiguous, Enough, Forbid, Lag, Move, Pick, Precede, Statement
+from kerfwise.rules.statements import (
+    AtLeast,
+    Before,
+    Contiguous,
+    Enough,
+    Forbid,
+    Lag,
+    Move,
+    Pick,
+    Precede,
+    Statement,
+    Steps,
+)
 
 pytestmark = pytest.mark.minizinc
 
@@ -130,6 +142,8 @@ def enough(asked: AtLeast | Enough, at: dict[int, int], picks: tuple[int, ...]) 
     for lit, weight in zip(asked.literals, asked.weights, strict=True):
         if isinstance(lit, Before):
             total += weight * (at[lit.i] < at[lit.j])
+        elif isinstance(lit, Steps):
+            total += weight * (lit.least <= at[lit.j] - at[lit.i] <= lit.most)
         else:
             total += weight * (enough(lit, at, picks) if isinstance(lit, Enough) else lit.c in picks)
     return total >= asked.bound

@@ -23,6 +23,7 @@ from kerfwise.rules.statements import (
     NoGood,
     Precede,
     Statement,
+    Steps,
 )
 from kerfwise.rules.stating.reduced_statements import GantryStatements
 
@@ -73,6 +74,8 @@ def held(sum_of: Enough | AtLeast, order: Sequence[int]) -> bool:
     def holds(literal: object) -> bool:
         if isinstance(literal, Enough):
             return held(literal, order)
+        if isinstance(literal, Steps):
+            return literal.least <= order.index(literal.j) - order.index(literal.i) <= literal.most
         assert isinstance(literal, Before)
         return order.index(literal.i) < order.index(literal.j)
 
@@ -87,6 +90,8 @@ def held(sum_of: Enough | AtLeast, order: Sequence[int]) -> bool:
         AtLeast((Before(A, C), Before(C, A), Before(B, A)), (1, 1, 1), 2, ABOUT),
         AtLeast((Enough((Before(A, C), Before(B, A)), (1, 1), 1), Before(E, A)), (1, 1), 1, ABOUT),
         AtLeast((Enough((Before(A, C), Before(B, A)), (1, 1), 1), Before(E, A)), (-1, 1), 0, ABOUT),
+        AtLeast((Steps(A, B), Steps(B, E)), (-1, -1), -1, ABOUT),
+        AtLeast((Steps(A, E, -3, 3), Before(B, A)), (-1, 1), 0, ABOUT),
     ],
 )
 def test_a_sum_is_met_only_where_it_is_met_in_either_order(at_once: GantryStatements, asked: AtLeast) -> None:

@@ -11,7 +11,7 @@ from kerfwise.encoder.facts.facts import Facts
 from kerfwise.jobs.request import facts_of
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
-from kerfwise.rules.statements import About, AtLeast, Before, Enough, Pick, Precede, Statement
+from kerfwise.rules.statements import About, AtLeast, Before, Enough, Pick, Precede, Statement, Steps
 from kerfwise.rules.stating.zones_yield import zones_that_yield
 
 ROW = nest(1000, 120, *(part(f"P{k}", rect(10 + 120 * k, 10, 100, 100)) for k in range(8)))
@@ -68,6 +68,18 @@ def test_sums_that_hold_by_their_entries_or_may_be_excused_change_no_zone(facts:
     assert zones(facts, AtLeast((Pick(0), LAST), (1, 1), 1, ABOUT)) is None
     assert zones(facts, AtLeast((LAST,), (1,), 1, ABOUT, weight=50.0)) is None
     assert zones(facts, AtLeast((LAST,), (1,), 1, ABOUT, when=0)) is None
+
+
+@pytest.mark.parametrize("steps", [Steps(0, 7), Steps(7, 0), Steps(6, 1, -3, 2)])
+def test_zones_yield_so_that_two_come_near_each_other(steps: Steps, facts: Facts) -> None:
+    assert zones(facts, AtLeast((steps,), (1,), 1, ABOUT)) is not None
+    assert zones(facts, AtLeast((steps,), (-1,), 0, ABOUT)) is None
+
+
+def test_zones_yield_so_that_two_are_far_from_each_other(facts: Facts) -> None:
+    """Two parts of one zone are next to each other, those of two zones beside each other up to three cuts away."""
+    assert zones(facts, AtLeast((Steps(0, 3, -3, 3),), (-1,), 0, ABOUT)) is not None
+    assert zones(facts, AtLeast((Steps(0, 3, -2, 2),), (-1,), 0, ABOUT)) is None
 
 
 def test_where_sums_cannot_hold_together_the_sheet_is_one_zone(facts: Facts) -> None:

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Ints
-from kerfwise.encoder.geometry.tolerances import UM_PER_MM
+from kerfwise.encoder.geometry.tolerances import UM_PER_MM, cost_um
 from kerfwise.models.engines.tuning import STEPS
 from kerfwise.models.problem.conditions import ConditionRows
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.statements import AtLeast, Before, Enough, Lag, Pick
+from kerfwise.rules.statements import AtLeast, Before, Enough, Lag, Pick, Steps
 
 from .jit_tools import compiled, flatten, ints
 from .travel import Legs, link_of
@@ -265,7 +265,8 @@ NO_SITE = -2  # stands for a candidate that no site stands for: it is never pick
 class Literals(NamedTuple):
     """Statement g sums `weight` over its literals `first[g]` …: `a` before `b`; with a = -1 site b picked; with a = -2
     what statement b says, which is one of the conditions `within` others, and stands before them; with a = -3 how many
-    contours come before contour b. Weights over 0 come last, the plain ones first.
+    contours come before contour b; with a = -4 that row b of `steps` holds: contours, and the least and most cuts from
+    one to the other. Weights over 0 come last, the plain ones first.
 
     `when` is the site that it is about, or -1. `within` is `WITHIN` for one within others, else whether it names sites.
     """
@@ -278,14 +279,16 @@ class Literals(NamedTuple):
     b: Ints
     weight: Ints
     within: Ints
+    steps: Ints
 
 
 def make_literals(problem: Problem) -> Literals:
-    """The general statements of a problem, each after the conditions that stand in it."""
+    """The general statements of a problem but for `Chains`, each after the conditions that stand in it."""
     rows: list[AtLeast | Enough] = []
     bounds: list[int] = []
     terms: list[list[tuple[int, int, int]]] = []
     known: dict[int, int] = {}
+    steps: dict[Steps, int] = {}
 
     def numbered(row: AtLeast | Enough) -> int:
         if id(row) in known:
@@ -298,6 +301,8 @@ def make_literals(problem: Problem) -> Literals:
                     own.append((-2, numbered(lit), weight))
                 case Pick(c):
                     own.append((-1, _site(problem, c), weight))
+                case Steps():
+                    own.append((-4, steps.setdefault(lit, len(steps)), weight))
         rows.append(row)
         bounds.append(bound)
         terms.append(sorted(own, key=lambda term: (term[2] > 0, term[0] == -2)))
@@ -305,18 +310,20 @@ def make_literals(problem: Problem) -> Literals:
         return known[id(row)]
 
     for s in problem.general:
-        numbered(s)
+        if not _is_chain(s):
+            numbered(s)
     stated = [None if isinstance(row, Enough) else row for row in rows]
     flat = [term for own in terms for term in own]
     return Literals(
         when=ints([-1 if s is None or s.when is None else _site(problem, s.when) for s in stated]),
         bound=ints(bounds),
-        cost=ints([HARD if s is None or s.weight is None else round(s.weight * UM_PER_MM) for s in stated]),
+        cost=ints([HARD if s is None or s.weight is None else cost_um(s.weight) for s in stated]),
         first=flatten([[0] * len(own) for own in terms])[0],
         a=ints([a for a, _, _ in flat]),
         b=ints([b for _, b, _ in flat]),
         weight=ints([weight for _, _, weight in flat]),
         within=ints([WITHIN if s is None else int(_of_sites(s, own)) for s, own in zip(stated, terms, strict=True)]),
+        steps=ints([number for s in steps for number in (s.i, s.j, s.least, s.most)]).reshape(-1, 4),
     )
 
 
@@ -386,6 +393,9 @@ def _plain(literals: Literals, e: int, contour: Ints, position: Ints, site: Ints
     a, b, weight = literals.a[e], literals.b[e], literals.weight[e]
     if a == -3:
         return int(weight * position[b])
+    if a == -4:
+        ahead = position[literals.steps[b, 1]] - position[literals.steps[b, 0]]
+        return int(weight) if literals.steps[b, 2] <= ahead <= literals.steps[b, 3] else 0
     true = (position[a] < position[b]) if a >= 0 else (b >= 0 and site[contour[b]] == b)
     return int(weight) if true else 0
 
@@ -437,3 +447,62 @@ def _picked_weight(literals: Literals, g: int, site: int) -> int:
         if literals.a[e] == -1 and literals.b[e] == site:
             total += literals.weight[e]
     return total
+
+
+# General statements that refuse moves one after the other, as the search reads them: there may be very many.
+
+
+class Chains(NamedTuple):
+    """Moves of which a route may not make all. Those that begin with that from i to j are `of[i * n + j]` … of n.
+
+    Chain k costs `cost[k]` where all moves from `leave` to `reach`, `first[k]` …, are made beside.
+    """
+
+    of: Ints
+    cost: Ints
+    first: Ints
+    leave: Ints
+    reach: Ints
+
+
+def _is_chain(s: AtLeast) -> bool:
+    """Whether a statement refuses moves of which a route may make all but one, whatever is picked."""
+    moves = all(isinstance(x, Steps) and x.least == x.most == 1 for x in s.literals)
+    return moves and s.when is None and set(s.weights) == {-1} and s.bound == 1 - len(s.literals)
+
+
+def make_chains(problem: Problem) -> Chains:
+    """The chains among the general statements of a problem."""
+    n = problem.n
+    chains = [
+        ([(x.i, x.j) for x in s.literals if isinstance(x, Steps)], HARD if s.weight is None else cost_um(s.weight))
+        for s in problem.general
+        if _is_chain(s)
+    ]
+    chains.sort(key=lambda chain: chain[0][0])
+    begun = [i * n + j for ((i, j), *_), _ in chains]
+    beside = [move for moves, _ in chains for move in moves[1:]]
+    return Chains(
+        of=np.searchsorted(begun, np.arange(n * n + 1 if chains else 0)),
+        cost=ints([cost for _, cost in chains]),
+        first=flatten([[0] * (len(moves) - 1) for moves, _ in chains])[0],
+        leave=ints([i for i, _ in beside]),
+        reach=ints([j for _, j in beside]),
+    )
+
+
+@compiled
+def chains_made(chains: Chains, order: Ints, position: Ints) -> tuple[int, int]:
+    """Cost, and number of hard ones, of the chains that an order of all contours makes."""
+    cost, broken, n = 0, 0, len(order)
+    for p in range(n - 1 if len(chains.cost) > 0 else 0):
+        move = order[p] * n + order[p + 1]
+        for k in range(chains.of[move], chains.of[move + 1]):
+            made = True
+            for e in range(chains.first[k], chains.first[k + 1]):
+                made = made and position[chains.reach[e]] == position[chains.leave[e]] + 1
+            if made and chains.cost[k] < 0:
+                broken += 1
+            elif made:
+                cost += chains.cost[k]
+    return cost, broken

@@ -13,7 +13,18 @@ from kerfwise.models.engines.tuning import ROUTE_STATE_NEAR as NEAR
 from kerfwise.models.problem.precedence import known_immediate_pairs
 from kerfwise.models.problem.problem import Problem
 
-from .conditions import Demands, Groups, Lags, Literals, make_demands, make_groups, make_lags, make_literals
+from .conditions import (
+    Chains,
+    Demands,
+    Groups,
+    Lags,
+    Literals,
+    make_chains,
+    make_demands,
+    make_groups,
+    make_lags,
+    make_literals,
+)
 from .jit_tools import compiled
 from .travel import ArcCosts, Crossed, Legs, make_arcs, make_crossed, make_legs, nearest_lawful
 
@@ -32,6 +43,7 @@ class SearchTables(NamedTuple):
     groups: Groups
     lags: Lags
     literals: Literals
+    chains: Chains
     arcs: ArcCosts
 
 
@@ -53,6 +65,7 @@ def make_tables(problem: Problem, earlier: TablesOf | None = None) -> SearchTabl
         make_groups(problem),
         make_lags(problem),
         make_literals(problem),
+        make_chains(problem),
         make_arcs(problem, legs),
     )
 
@@ -176,7 +189,9 @@ LAWLESS = 10  # of the last trials, those after which we stood on a route that b
 CLIMBS = 11  # entries made in `climb`
 TRADES = 12  # exchanges tried on plain problems
 TRADED = 13  # of these, those taken that changed the cost
-NUMBERS = 14
+WHOLE = 14  # of its cost what only the whole route tells, µm
+WHOLE_BROKEN = 15  # and of the statements that it breaks
+NUMBERS = 16
 
 
 class State(NamedTuple):

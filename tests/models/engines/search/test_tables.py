@@ -7,14 +7,14 @@ import pytest
 
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.search.state import travel
-from kerfwise.models.engines.search.state.conditions import literals_unmet, make_literals
+from kerfwise.models.engines.search.state.conditions import chains_made, literals_unmet, make_chains, make_literals
 from kerfwise.models.engines.search.state.route_state import TablesOf, make_tables
 from kerfwise.models.jit import plain
 from kerfwise.models.problem import moves
 from kerfwise.models.problem.evaluate import general_holds
 from kerfwise.models.problem.moves import PairTable
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.statements import About, AtLeast, Before, Enough, Literal, Pick
+from kerfwise.rules.statements import About, AtLeast, Before, Enough, Literal, Pick, Steps
 from kerfwise.tests.models.problems import scattered
 
 PLATE = scattered(3, contours=20, sites=3, pairs=15)
@@ -71,11 +71,11 @@ def test_prices_are_added_alike_place_by_place_and_all_at_once(sparse: int, monk
 
 
 def _random_sum(rng: np.random.Generator, n: int, m: int, depth: int) -> tuple[list[Literal], list[int]]:
-    """Orders, entries, positions, which are all orders of one contour, and sums within the sum."""
+    """Orders, entries, positions, which are all orders of one contour, steps, and sums within the sum."""
     weights: dict[Literal, int] = {}
     for _ in range(int(rng.integers(1, 5))):
         i, j = rng.choice(n, 2, replace=False).tolist()
-        weight, kind = int(rng.integers(-2, 4)), rng.integers(4 if depth else 3)
+        weight, kind = int(rng.integers(-2, 4)), rng.integers(5 if depth else 4)
         if kind == 0:
             weights[Before(i, j)] = weights.get(Before(i, j), 0) + weight
         elif kind == 1:
@@ -84,6 +84,8 @@ def _random_sum(rng: np.random.Generator, n: int, m: int, depth: int) -> tuple[l
             for k in set(range(n)) - {j}:
                 pair = Before(k, j) if i % 2 else Before(j, k)
                 weights[pair] = weights.get(pair, 0) + weight
+        elif kind == 3:
+            weights[Steps(i, j, -1, int(rng.integers(1, 3)))] = weight
         else:
             within, own = _random_sum(rng, n, m, depth - 1)
             weights[Enough(tuple(within), tuple(own), int(rng.integers(-2, 5)))] = weight
@@ -111,3 +113,25 @@ def test_sums_are_met_by_the_routes_that_meet_the_statements() -> None:
         assert found == (sum(round(w * UM_PER_MM) for w in wrong if w is not None), sum(w is None for w in wrong))
         met += len(rows) - len(wrong)
     assert 25 < met < 100
+
+
+def test_chains_are_made_by_the_routes_that_break_the_statements() -> None:
+    """None of them is a sum besides; one move, two, and two that do not touch."""
+    rng, n = np.random.default_rng(3), 6
+    made = 0
+    for _ in range(60):
+        rows = []
+        for _ in range(8):
+            moves = rng.permutation(n)[:6].reshape(-1, 2)[: int(rng.integers(1, 3))].tolist()
+            moves += [[moves[-1][1], int(rng.integers(n))]] * int(rng.integers(2))
+            steps = tuple(dict.fromkeys(Steps(i, j) for i, j in moves if i != j))
+            price = None if rng.random() < 0.5 else float(rng.integers(1, 9))
+            rows.append(AtLeast(steps, (-1,) * len(steps), 1 - len(steps), About("r", (), ""), weight=price))
+        seen, order = replace(scattered(1, n, 2), general=tuple(rows)), rng.permutation(n)
+        position = np.argsort(order)
+        wrong = [s.weight for s in rows if not general_holds(seen, s, dict(enumerate(position.tolist())), set())]
+        found = plain(chains_made)(make_chains(seen), order, position)
+        assert found == (sum(round(w * UM_PER_MM) for w in wrong if w is not None), sum(w is None for w in wrong))
+        assert not len(make_literals(seen).bound)
+        made += len(wrong)
+    assert 20 < made < 200
