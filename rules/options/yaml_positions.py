@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -230,6 +232,36 @@ def with_value(text: str, path: Sequence[str], value: str) -> str:
     return _replaced(text, node, begins, value)
 
 
+def with_item(text: str, key: str, value: str) -> str:
+    """The text with `value`, as YAML, as one entry more of the list under a key; a list that is missing is added.
+
+    Raises InputError if the text is not YAML.
+
+    Examples
+    --------
+    >>> print(with_item("locks:\\n  - P1 first  # hot\\nquantity: 2\\n", "locks", "P2 last"), end="")
+    locks:
+      - P1 first  # hot
+      - P2 last
+    quantity: 2
+    >>> with_item("{locks: [P1 first]}\\n", "locks", "P2 last"), with_item("", "locks", "P2 last")
+    ('{locks: [P1 first, P2 last]}\\n', 'locks: [P2 last]\\n')
+    """
+    root = compose(text, "")
+    node = root if root is None else deepest(root, key)
+    rows = node.value if isinstance(node, yaml.SequenceNode) else []
+    if node is root or not isinstance(node, yaml.SequenceNode) or not rows:
+        return with_value(text, [key], f"[{value}]")
+    ends = _end(rows[-1])
+    if node.flow_style:
+        return f"{text[:ends]}, {value}{text[ends:]}"
+    first = rows[0].start_mark
+    dash = text[first.index - first.column : first.index].rstrip(" ")
+    at = text.find("\n", ends)
+    at = len(text) if at < 0 else at
+    return f"{text[:at]}\n{dash} {value}{text[at:]}"
+
+
 def without_value(text: str, path: Sequence[str]) -> str:
     """The text without the last key of `path`, and without what stood there; a mapping that is then empty goes too.
 
@@ -338,11 +370,16 @@ def _begun(text: str, node: yaml.Node | None, begins: int, path: Sequence[str], 
 
 
 def _flow(path: Sequence[str], value: str) -> str:
-    *outer, last = path
+    *outer, last = map(_key, path)
     return "".join(f"{key}: {{" for key in outer) + f"{last}: {value}" + "}" * len(outer)
 
 
 def _block(path: Sequence[str], value: str, indent: int) -> str:
-    *outer, last = path
+    *outer, last = map(_key, path)
     lines = [f"{' ' * (indent + 2 * k)}{key}:" for k, key in enumerate(outer)]
     return "\n".join([*lines, f"{' ' * (indent + 2 * len(outer))}{last}: {value}"])
+
+
+def _key(name: str) -> str:
+    """A name as a key: in quotes where YAML would not read it as it stands."""
+    return name if re.fullmatch(r"\w[\w./-]*", name) else json.dumps(name, ensure_ascii=False)

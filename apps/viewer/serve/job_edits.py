@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import io
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedMap, CommentedSeq
-from ruamel.yaml.error import YAMLError
-from ruamel.yaml.scalarstring import DoubleQuotedScalarString
+import yaml
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nearest_name import unknown
@@ -20,6 +16,8 @@ from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.nest_job.job import LOCKS, SET, TABS, Job, job_of, with_kept
 from kerfwise.jobs.nest_job.request import Names
 from kerfwise.rules.lock import Lock
+from kerfwise.rules.options.kind import Text
+from kerfwise.rules.options.yaml_positions import compose, plain, with_item, with_value, without_item, without_value
 from kerfwise.rules.profile.overrides import lines_of, read_lock
 
 from .plan_request import PlanRequest, request_inputs
@@ -102,13 +100,9 @@ def _no_number(name: str) -> str:
     raise InputError(f"{name}: say which contour it is by its id")
 
 
-# The text of a job file, changed by a planner's hands: comments and the order of keys stay as they are written.
-
-_WIDE = 4096
-"""No line is broken that was not."""
+# The text of a job file, changed by a planner's hands: all else stays as it is written, comments and order too.
 
 
-@dataclass(frozen=True, slots=True)
 class JobText:
     """A job file's text, "" for none. Each method gives the text with one thing changed.
 
@@ -117,19 +111,21 @@ class JobText:
     >>> text = JobText("quantity: 4  # sheets\\n").with_lock("P2 first").with_setting("leads.lead_in", "4 mm")
     >>> print(text.text, end="")
     quantity: 4  # sheets
-    locks:
-      - P2 first
+    <BLANKLINE>
+    locks: [P2 first]
+    <BLANKLINE>
     set:
       leads.lead_in: 4 mm
     >>> text.without_lock("P2 first").without_setting("leads.lead_in").text
     'quantity: 4  # sheets\\n'
     """
 
-    text: str = ""
+    def __init__(self, text: str = "") -> None:
+        self.text = text.removeprefix("\ufeff").replace("\r\n", "\n")
 
     def job(self) -> Job:
         """The job that it describes; InputError with line and column if it is wrong."""
-        return job_of(self.text.removeprefix("\ufeff"), "the job file")
+        return job_of(self.text, "the job file")
 
     def lines(self) -> tuple[tuple[str, Lock], ...]:
         """Its locks in a line each, with the lock that each stands for, tabs among them."""
@@ -140,55 +136,41 @@ class JobText:
         wanted = next(lines_of(read_lock(line)))
         if any(wanted == stands for stands, _ in self.lines()):
             return self
-        root = self._root()
-        root.setdefault(LOCKS, CommentedSeq())
-        if root[LOCKS] is None:
-            root[LOCKS] = CommentedSeq()
-        root[LOCKS].append(_scalar(wanted))
-        return _written(root)
+        return _expect_job(with_item(self.text, LOCKS, Text().write(wanted)))
 
     def without_lock(self, line: str) -> JobText:
         """Without a lock; InputError if it has none that says this."""
-        if all(line != stands for stands, _ in self.lines()):
+        said = self.lines()
+        found = next((lock for stands, lock in said if stands == line), None)
+        if found is None:
             raise InputError(f"there is no lock {line!r} in the job file")
-        root = self._root()
-        locks = root.get(LOCKS) or CommentedSeq()
-        for k in reversed(range(len(locks))):
-            lines = [line for line, _ in JobText(_dumped({LOCKS: [locks[k]]})).lines()]
-            if line in lines:
-                locks[k : k + 1] = [_scalar(other) for other in lines if other != line]
-        tabs = root.get(TABS) or CommentedMap()
-        for name in list(tabs):
-            held = job_of(_dumped({TABS: {name: tabs[name]}}), "the job file").locks
-            left = [lock.tab for lock in held if next(lines_of(lock)) != line]
-            if len(left) < len(held):
-                tabs[name] = _points(left)
-                if not left:
-                    del tabs[name]
-        return _written(_swept(root))
+        assert found.place is not None
+        entry = [(stands, lock) for stands, lock in said if lock.place == found.place]
+        text = without_item(self.text, found.place)
+        if text is None:  # one of the tabs of a contour
+            path = [TABS, str(found.contour)]
+            points = [list(lock.tab) for _, lock in entry if isinstance(lock.tab, tuple) and lock.tab != found.tab]
+            return _expect_job(with_value(self.text, path, str(points)) if points else without_value(self.text, path))
+        changed = _expect_job(text)
+        for stands, _ in entry:
+            changed = changed if stands == line else changed.with_lock(stands)
+        return changed.without_lock(line) if any(stands == line for stands, _ in changed.lines()) else changed
 
     def with_setting(self, key: str, value: str) -> JobText:
         """With a value of the profile that this nest has otherwise."""
-        root = self._root()
-        if root.get(SET) is None:
-            root[SET] = CommentedMap()
-        if not (key in root[SET] and str(root[SET][key]) == value):
-            root[SET][key] = _value(value)
-        return _written(root)
+        if (key, value) in settings_of(self.job()):
+            return self
+        return _expect_job(with_value(self.text, [SET, key], _value(value)))
 
     def without_setting(self, key: str) -> JobText:
         """Without it; InputError if the job file does not set it under this key."""
-        root = self._root()
-        if key not in (root.get(SET) or {}):
+        if key not in dict(settings_of(self.job())):
             raise InputError(f"the job file does not set {key!r}")
-        del root[SET][key]
-        return _written(_swept(root))
+        return _expect_job(without_value(self.text, [SET, key]))
 
     def with_profile(self, name: str) -> JobText:
         """For another profile."""
-        root = self._root()
-        root["profile"] = name
-        return _written(root)
+        return _expect_job(with_value(self.text, ["profile"], Text().write(name)))
 
     def with_answers(self, answers: Mapping[str, str]) -> JobText:
         """With answers to questions of the drawing, each in the place of one before."""
@@ -206,55 +188,25 @@ class JobText:
                 changed = changed.without_lock(line).with_lock(next(lines_of(replace(lock, **known))))
         return changed
 
-    def _root(self) -> CommentedMap:
-        self.job()  # what is wrong is said with its place
-        root = _yaml().load(self.text.removeprefix("\ufeff"))
-        return CommentedMap() if root is None else root
+
+def _expect_job(text: str) -> JobText:
+    """The text, which has to be that of a job, without blank lines at its end."""
+    made = JobText(f"{text.rstrip()}\n" if text.strip() else "")
+    made.job()
+    return made
 
 
-def _points(tabs: Iterable[Any]) -> CommentedSeq:
-    points = CommentedSeq([list(point) for point in tabs if isinstance(point, tuple)])
-    points.fa.set_flow_style()
-    return points
-
-
-def _swept(root: CommentedMap) -> CommentedMap:
-    for key in (LOCKS, TABS, SET):
-        if key in root and not root[key]:
-            del root[key]
-    return root
-
-
-def _yaml() -> YAML:
-    yaml = YAML()
-    yaml.preserve_quotes = True
-    yaml.width = _WIDE
-    yaml.indent(mapping=2, sequence=4, offset=2)
-    return yaml
-
-
-def _dumped(data: Any) -> str:
-    out = io.StringIO()
-    _yaml().dump(data, out)
-    return out.getvalue()
-
-
-def _written(root: CommentedMap) -> JobText:
-    text = JobText(_dumped(root) if root else "")
-    text.job()
-    return text
-
-
-def _scalar(line: str) -> str:
-    return DoubleQuotedScalarString(line) if any(sign in line for sign in "#\"'{[:") else line
-
-
-def _value(text: str) -> Any:
-    """A value as its author writes it: numbers stay numbers, `[1, 2]` a list."""
+def _value(text: str) -> str:
+    """A value as its author writes it, in one line."""
     try:
-        return YAML(typ="safe").load(text) if text.strip() else text
-    except (YAMLError, ValueError):
-        raise InputError(f"{text!r} is not a value as a job file holds it") from None
+        node = compose(text, "the job file")
+        said = None if node is None else plain(node)
+    except InputError:
+        node = said = None
+    in_block = isinstance(node, yaml.CollectionNode) and not node.flow_style
+    if said is None or in_block or len(text.splitlines()) > 1:
+        raise InputError(f"{text!r} is not a value as a job file holds it")
+    return text.strip()
 
 
 def settings_of(job: Job) -> Iterator[tuple[str, str]]:

@@ -13,7 +13,7 @@ import click
 from kerfwise.commands.shared_options import AMOUNT_OVER_ZERO, MEMORY, TRUST
 from kerfwise.encoder.errors import InputError
 
-NEEDED = ("starlette", "uvicorn", "anyio", "ruamel.yaml")
+NEEDED = ("starlette", "uvicorn", "anyio")
 
 
 @click.command()

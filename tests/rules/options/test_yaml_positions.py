@@ -17,6 +17,7 @@ from kerfwise.rules.options.yaml_positions import (
     entries,
     items,
     plain,
+    with_item,
     with_value,
     without_value,
     wrong_at,
@@ -141,6 +142,34 @@ def test_all_but_the_value_stays(name: str, path: tuple[str, ...], value: str) -
     comments = [line[line.index("#") :] for line in text.splitlines() if "#" in line]
     kept = [line[line.index("#") :] for line in made.splitlines() if "#" in line]
     assert kept == comments or path == ("rules", "pierce"), "a mapping that is replaced takes its own comments with it"
+
+
+@pytest.mark.parametrize(
+    ("text", "made"),
+    [
+        ("", "s: [9]\n"),
+        ("# only words\n", "# only words\ns: [9]\n"),
+        ("t: 1\n", "t: 1\n\ns: [9]\n"),
+        ("s:\nt: 1\n", "s: [9]\nt: 1\n"),
+        ("s: []  # none\n", "s: [9]  # none\n"),
+        ("s: [1, 2]  # two\n", "s: [1, 2, 9]  # two\n"),
+        ("s:\n- 1  # one\n- {a: 2}  # two\n# then\nt: 3\n", "s:\n- 1  # one\n- {a: 2}  # two\n- 9\n# then\nt: 3\n"),
+        ("s:\n    -   1", "s:\n    -   1\n    - 9"),
+        ("s:\n  - a: 1\n    b: 2\n", "s:\n  - a: 1\n    b: 2\n  - 9\n"),
+        ("s:\n  - 'a\n    b'\n", "s:\n  - 'a\n    b'\n  - 9\n"),
+    ],
+)
+def test_an_entry_more(text: str, made: str) -> None:
+    assert with_item(text, "s", "9") == made
+    assert yaml.safe_load(made)["s"][-1] == 9
+
+
+@pytest.mark.parametrize("key", ["own:a b.c", "# no", "P1.outer", "7", "a: b", '"q"', "yes, no"])
+def test_any_key_is_written_so_that_it_reads_back(key: str) -> None:
+    block = with_value("s:\n  a: 1\n", ["s", key], "9")
+    assert yaml.compose(block).value[0][1].value[0][0].value == key
+    flow = with_value("s: {a: 1}\n", ["s", key], "9")
+    assert yaml.compose(flow).value[0][1].value[0][0].value == key
 
 
 @pytest.mark.parametrize(
