@@ -10,6 +10,7 @@ process of its own, beside the check, counts for the picture by the seconds of t
 from __future__ import annotations
 
 import argparse
+import gc
 import importlib
 import importlib.util
 import json
@@ -119,6 +120,7 @@ def spent(
     from kerfwise.rules.profile.load import load_profile
 
     text = json.dumps(make_sheet(1, contours)).encode()
+    gc.disable()  # as `solve` does
     if first:
         importlib.import_module("kerfwise.commands.solve")
         importlib.import_module("kerfwise.jobs.warm_up").search_beside(contours)  # loads numba, as `solve` does

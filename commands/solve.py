@@ -247,6 +247,9 @@ def command(
     solver_from = click.get_current_context().get_parameter_source("solver")
     if limits["engine"] != "minizinc" and solver_from is not ParameterSource.DEFAULT:
         raise click.UsageError("--solver is for --engine minizinc")
+    if gc.isenabled():  # there are few circles of objects: looks for them make facts and rules half as long again
+        gc.disable()
+        click.get_current_context().call_on_close(gc.enable)
     from kerfwise.jobs.request import options_for
     from kerfwise.jobs.time_limits import CommandLimit
     from kerfwise.jobs.warm_up import search_beside
@@ -266,9 +269,6 @@ def command(
     already = stopped.already_cut(inputs)
     of_plan = options_for(inputs.nest, inputs.profile, **limits)
     beside, planned = _beside(inputs, outputs.suffix)
-    if method["first"] and gc.isenabled():  # 3 % of a first plan of 1000 contours, and nothing stays long after it
-        gc.disable()
-        click.get_current_context().call_on_close(gc.enable)
     whole = None
     if (time_s := limits["time_s"]) is not None:
         whole = CommandLimit(time_s, began_s, filter(None, [outputs.suffix]), beside=beside.pays)
