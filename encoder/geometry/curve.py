@@ -146,7 +146,11 @@ class Curve:
 
     def towards(self, direction: str) -> Curve:
         """The closed curve run "cw" or "ccw"."""
-        return self if self.is_ccw == (direction == "ccw") else self.reversed()
+        return self if self.is_ccw == (direction == "ccw") else self._turned
+
+    @cached_property
+    def _turned(self) -> Curve:
+        return self.reversed()
 
     def between(self, start_mm: float, length_mm: float) -> Curve:
         """The open piece of `length_mm` that begins at path length `start_mm`; it may wrap, even more than once."""

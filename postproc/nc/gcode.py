@@ -293,7 +293,7 @@ class GcodeWriter:
         return {"x": self._number(x), "y": self._number(y)}
 
     def _number(self, mm: float) -> str:
-        text, whole = self._shown(mm * self.dialect.per_mm, self.dialect.decimals), self.dialect.whole_digits
+        text, whole = self._shown(mm * self._per_mm, self.dialect.decimals), self.dialect.whole_digits
         if whole > 1:
             bare = text.lstrip("-")
             text = text[: len(text) - len(bare)] + bare.zfill(whole + len(bare) - len(re.split("[.,]", bare)[0]))

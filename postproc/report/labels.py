@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 import shapely
 
-from kerfwise.encoder.geometry.curve import Curve
+from kerfwise.encoder.geometry.curve import Curve, lines_of
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest
 
@@ -253,13 +253,15 @@ def _in_holes(
     filled: Mapping[str, shapely.Geometry],
 ) -> list[TextPlace | None]:
     """The places in holes, clear of what lies in them and of their leads."""
+    leads = [curve for hole in holes for curve in labels[hole.id].obstacles if curve.segments]
+    wide = iter(shapely.buffer(lines_of(leads, 0.5), 0.2 * wanted_mm, quad_segs=2))
     rooms = []
     for hole in holes:
         area, label = areas.holes[hole.id], labels[hole.id]
         if hole.id in filled:
             area = area.difference(filled[hole.id])
-        leads = [curve.line(0.5).buffer(0.2 * wanted_mm, quad_segs=2) for curve in label.obstacles if curve.segments]
-        clear = area.difference(shapely.union_all(leads)) if leads else area
+        own = [next(wide) for curve in label.obstacles if curve.segments]
+        clear = area.difference(shapely.union_all(own)) if own else area
         rooms.append(Room(area if clear.is_empty else clear, label.text, wanted_mm, _point(label)))
     return find_rooms(rooms)
 
