@@ -1,14 +1,21 @@
-"""Short names for arrays, and what numpy lacks: runs end to end, different numbers, work in halves."""
+"""Short names for arrays, and what numpy lacks: runs end to end, different numbers, near points, work in halves."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
-from typing import Any, Self, TypeVar
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, Self, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 # Short names for the arrays that the whole project passes around.
 
@@ -84,6 +91,43 @@ def concat_ranges(first: Ints, count: Ints) -> Ints:
     """
     before = np.cumsum(count) - count
     return np.repeat(first - before, count) + np.arange(int(count.sum()))
+
+
+# Trees of points. All of scipy.spatial takes three times as long to load: linear algebra, special functions, rotations.
+
+
+def point_tree(points: Floats, leafsize: int = 16) -> cKDTree:
+    """A k-d tree of points (k, d).
+
+    Examples
+    --------
+    >>> point_tree(np.array([[0.0, 0.0], [3.0, 4.0]])).query([[3.0, 5.0]])[1].tolist()
+    [1]
+    """
+    return cast("cKDTree", _tree_class()(points, leafsize))
+
+
+@cache
+def _tree_class() -> Any:
+    """The class of such trees, from the one module that has it, where the package is not loaded yet."""
+    name = "scipy.spatial"
+    if name not in sys.modules:
+        import scipy
+
+        package = ModuleType(name)
+        package.__path__ = [str(Path(scipy.__file__).with_name("spatial"))]
+        sys.modules[name] = package
+        try:
+            from scipy.spatial import _ckdtree
+
+            return _ckdtree.cKDTree
+        except (ImportError, AttributeError):  # another scipy has it elsewhere
+            pass
+        finally:
+            del sys.modules[name]
+    from scipy.spatial import cKDTree
+
+    return cKDTree
 
 
 # Two steps that share nothing they write, side by side: most of both is done by a library that lets Python go on.

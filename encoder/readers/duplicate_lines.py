@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 
+from kerfwise.arrays import point_tree
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.graphs import weak_components
 from kerfwise.encoder.nest import Note, Part
@@ -167,7 +167,7 @@ def _groups(rings: Sequence[DrawnCurve], limit_mm: float) -> list[tuple[list[int
     if len(rings) < 2:
         return []
     lines = np.array([ring.curve.line() for ring in rings], dtype=object)
-    pairs = cKDTree(shapely.bounds(lines)).query_pairs(CORNER * limit_mm, p=np.inf, output_type="ndarray")
+    pairs = point_tree(shapely.bounds(lines)).query_pairs(CORNER * limit_mm, p=np.inf, output_type="ndarray")
     found, gaps = [], []
     for a, b in sorted(map(tuple, pairs.tolist())):
         apart = float(shapely.hausdorff_distance(lines[a], lines[b], densify=0.25))

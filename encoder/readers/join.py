@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats, Ints, point_tree
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.graphs import weak_components
@@ -193,7 +192,7 @@ def endpoint_clusters(ends: Floats, lengths_mm: Floats, tolerance_mm: float) -> 
     points = _clusters(ends, min(SNAP_MM, tolerance_mm))
     lone = np.flatnonzero(np.bincount(points)[points] == 1)
     if len(lone) > 1 and tolerance_mm > SNAP_MM:
-        pairs = lone[cKDTree(ends[lone]).query_pairs(tolerance_mm, output_type="ndarray")].reshape(-1, 2)
+        pairs = lone[point_tree(ends[lone]).query_pairs(tolerance_mm, output_type="ndarray")].reshape(-1, 2)
         pairs.sort(axis=1)
         gaps = np.hypot(*(ends[pairs[:, 0]] - ends[pairs[:, 1]]).T)
         own = pairs[:, 0] // 2 == pairs[:, 1] // 2
@@ -209,7 +208,7 @@ def endpoint_clusters(ends: Floats, lengths_mm: Floats, tolerance_mm: float) -> 
 
 def _clusters(ends: Floats, within_mm: float) -> Ints:
     distinct, index = np.unique(ends, axis=0, return_inverse=True)
-    pairs = cKDTree(distinct).query_pairs(within_mm, output_type="ndarray").reshape(-1, 2)
+    pairs = point_tree(distinct).query_pairs(within_mm, output_type="ndarray").reshape(-1, 2)
     return weak_components(len(distinct), pairs)[index.ravel()]
 
 

@@ -9,9 +9,8 @@ from typing import Literal, get_args
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 
-from kerfwise.arrays import Floats
+from kerfwise.arrays import Floats, point_tree
 from kerfwise.encoder.contour_checks import metal_of
 from kerfwise.encoder.errors import REPAIR
 from kerfwise.encoder.nest import Note, Part
@@ -301,7 +300,7 @@ def ends(chain: DrawnCurve) -> str:
 def nearest_ends(chains: Sequence[DrawnCurve]) -> Floats:
     """Array (n, 2): how far the start and the end of each chain are from the nearest other end, its own too, mm."""
     points = np.concatenate([c.curve.vertices[[0, -1], :2] for c in chains])
-    distances: Floats = cKDTree(points).query(points, k=2)[0][:, 1].reshape(-1, 2)
+    distances: Floats = point_tree(points).query(points, k=2)[0][:, 1].reshape(-1, 2)
     return distances
 
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 
-from kerfwise.arrays import Floats, Ints
+from kerfwise.arrays import Floats, Ints, point_tree
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.measures import Circle, Line, crossings
 from kerfwise.encoder.geometry.segment import Point, Segment
@@ -44,7 +43,7 @@ def trim_overruns(pieces: Sequence[DrawnCurve], reach_mm: float) -> tuple[list[D
     if not pieces:
         return [], []
     ends = np.array([p for c in pieces for p in c.curve.vertices[[0, -1], :2]])
-    tree = cKDTree(ends)
+    tree = point_tree(ends)
     met = set(tree.query_pairs(SNAP_MM, output_type="ndarray").ravel().tolist())
     pairs: Ints = tree.query_pairs(2 * reach_mm, output_type="ndarray").reshape(-1, 2)
     found: list[tuple[float, int, int, Point, float, float]] = []

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Floats, Ints, concat_ranges
+from kerfwise.arrays import Floats, Ints, concat_ranges, point_tree
 from kerfwise.encoder.cut import Cut, Direction
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.measures import beyond_mm
@@ -291,9 +291,8 @@ def _compared(of: _Pairs) -> tuple[float, int, int]:
 
 def _looked_up(of: _Pairs) -> tuple[float, int, int] | None:
     """The same by place, for paths of many vertices: pairs that are near; None where there is no near one."""
-    from scipy.spatial import cKDTree
 
-    tree, within_mm = cKDTree(of.v), _NEAR_MM
+    tree, within_mm = point_tree(of.v), _NEAR_MM
     reach_mm = float(np.ptp(of.v, axis=0).max())
     while within_mm < reach_mm and tree.count_neighbors(tree, within_mm) <= COMPARED:
         near = tree.query_pairs(within_mm, output_type="ndarray").reshape(-1, 2).astype(np.int64)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from kerfwise.arrays import Floats
+from kerfwise.arrays import Floats, point_tree
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.geometry.segment import Point, Segment
 from kerfwise.postproc.check.reader.program import Burn
@@ -126,9 +126,8 @@ def _longest(path: Curve) -> tuple[float, float] | None:
     points = np.array([path.segments[0].start, *(segment.end for segment in path.segments)])
     at_mm = path.starts_mm
     found: list[tuple[float, float]] = []
-    from scipy.spatial import cKDTree  # a check of a program with its nest does without
 
-    tree = cKDTree(points)
+    tree = point_tree(points)
     if tree.count_neighbors(tree, CLOSED_MM) > _MOST_PAIRS:
         raise NotRound("its path touches itself too often")
     pairs = tree.query_pairs(CLOSED_MM, output_type="ndarray")

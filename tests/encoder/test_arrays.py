@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -47,3 +49,18 @@ def test_an_error_of_either_is_raised(pays: bool) -> None:
         in_parallel(lambda: 1, wrong, pays)
     with pytest.raises(ValueError, match="wrong"):
         in_parallel(wrong, lambda: 1, pays)
+
+
+def test_a_tree_of_points_comes_alone_and_leaves_the_package_as_it_is() -> None:
+    """Points that lie equally far come in the same order as from the whole package, which is loaded afterwards."""
+    program = (
+        "import sys, numpy as np\n"
+        "from kerfwise.arrays import point_tree\n"
+        "points = np.random.default_rng(1).integers(0, 9, (200, 2)).astype(float)\n"
+        "away, near = point_tree(points, leafsize=10).query(points, k=20)\n"
+        "assert not {'scipy.spatial', 'scipy.linalg'} & sys.modules.keys()\n"
+        "from scipy.spatial import KDTree, cKDTree, distance\n"
+        "assert (KDTree(points).query(points, k=20)[1] == near).all()\n"
+        "assert type(point_tree(points)) is cKDTree\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)

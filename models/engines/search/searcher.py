@@ -11,7 +11,7 @@ from operator import methodcaller
 
 import numpy as np
 
-from kerfwise.arrays import Bools, Ints
+from kerfwise.arrays import Bools, Ints, point_tree
 from kerfwise.models.engines.deadline import Deadline, Progress
 from kerfwise.models.engines.search.moves.tour_merging import TourMerging, make_walkers, merge_tours, mergeable
 from kerfwise.models.engines.search.state.route_state import SearchTables, TablesOf, make_tables
@@ -420,12 +420,10 @@ class Nearby:
     """The contours of a problem by where they are pierced. `travel_um` is what a move to the nearest costs about."""
 
     def __init__(self, problem: Problem) -> None:
-        from scipy.spatial import KDTree
-
         self._problem = problem
         starts = problem.first[:-1]
         centre = np.add.reduceat(problem.pierce_um.astype(np.float64), starts) / np.diff(problem.first)[:, None]
-        away, self._near = KDTree(centre).query(centre, k=min(NEIGHBOURS, problem.n))
+        away, self._near = point_tree(centre, leafsize=10).query(centre, k=min(NEIGHBOURS, problem.n))
         self.travel_um = max(1.0, float(problem.travel_weight) * float(np.median(away[:, 1])))
 
     def around(self, centre: int, movable: Bools, count: int) -> Bools:

@@ -8,7 +8,7 @@ from typing import NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from kerfwise.arrays import Bools, Int32s, Ints
+from kerfwise.arrays import Bools, Int32s, Ints, point_tree
 from kerfwise.models.engines.tuning import ROUTE_STATE_NEAR as NEAR
 from kerfwise.models.problem.precedence import known_immediate_pairs
 from kerfwise.models.problem.problem import Problem
@@ -154,9 +154,7 @@ def _nearest(legs: Legs, allowed: Callable[[Ints, Ints], Bools], forward: bool) 
             found[rows] = np.where(np.arange(k) < count[:, None], near, -1)
         return found
     here, there = (legs.end_circle, legs.pierce_circle) if forward else (legs.pierce_circle, legs.end_circle)
-    from scipy.spatial import KDTree
-
-    _, around = KDTree(there[:, :2]).query(here[:, :2], k=min(4 * k, n))
+    _, around = point_tree(there[:, :2], leafsize=10).query(here[:, :2], k=min(4 * k, n))
     around = around.reshape(n, -1)
     lawful = allowed(np.repeat(np.arange(n), around.shape[1]), around.ravel()).reshape(around.shape)
     row, column = np.nonzero(lawful)
