@@ -279,15 +279,21 @@ MOST_COUNTED = 10**15
 TRAVEL = "objective.idle, objective.time and machine.home"
 
 
-def dearest_um(problem: Problem) -> dict[str, int]:
-    """What a plan can cost at most, whole µm, not tight: of idle travel, and of each rule that has a price."""
+def dearest_um(problem: Problem, roughly: bool = False) -> dict[str, int]:
+    """What a plan can cost at most, whole µm, not tight: of idle travel, and of each rule that has a price.
+
+    `roughly`: with all conditions as one, though of the sites of a contour one alone is used.
+    """
     found: dict[str, int] = defaultdict(int)
     found[TRAVEL] = (problem.n + 1) * _longest_um(problem)
     dearest = np.zeros(problem.n, dtype=np.int64)
     np.maximum.at(dearest, problem.site_contour, problem.site_cost)
     found["entries that a soft rule forbids"] += sum(dearest.tolist())
-    for rule, of_rule in _by_rule(problem.conditions).items():
-        found[rule] += _dearest_of(problem, of_rule)
+    if roughly:
+        found["conditions"] += sum(filter(None, map(attrgetter("cost"), problem.conditions)))
+    else:
+        for rule, of_rule in _by_rule(problem.conditions).items():
+            found[rule] += _dearest_of(problem, of_rule)
     for g in problem.soft_groups:
         found[g.about.rule] += g.cost * (len(g.contours) - 1)
     for lag in problem.lags:
@@ -341,6 +347,8 @@ def check_magnitude(problem: Problem) -> None:
                 f"rule {about.rule} counts what is asked{contours} by weights that come to {_counted(statement):.3g}, "
                 f"more than can be counted exactly ({MOST_COUNTED:.0e}): make them, and what they must come to, smaller"
             )
+    if sum(dearest_um(problem, roughly=True).values()) <= MOST_UM:
+        return
     found = dearest_um(problem)
     if sum(found.values()) > MOST_UM:
         most = max(found, key=lambda name: found[name])

@@ -166,7 +166,7 @@ class LoweredStatements:
     general: tuple[AtLeast, ...] = ()
 
 
-def starts_with(statements: tuple[Statement, ...], known: tuple[Statement, ...]) -> bool:
+def starts_with(statements: tuple[object, ...], known: tuple[object, ...]) -> bool:
     """Whether they begin with the very statements that are known."""
     return len(statements) >= len(known) and all(map(is_, known, statements))
 

@@ -18,7 +18,8 @@ from kerfwise.encoder.candidates.candidate import Candidate
 from kerfwise.encoder.geometry.tolerances import cost_um
 from kerfwise.rules.statements import EXEMPTION_MM, AtLeast, Link, Move, Pick, plain
 
-from .conditions import Condition, ConditionRows
+from .bitsets import LastAnswer
+from .conditions import Condition, ConditionRows, starts_with
 from .crossings import Crossings
 from .problem import Links, Problem
 
@@ -73,12 +74,25 @@ def _decided(problem: Problem) -> tuple[Problem, Bools]:
     return replace(problem, conditions=tuple(left), site_cost=cost), unlawful
 
 
-def _undecided(problem: Problem) -> Iterator[tuple[Condition, bool]]:
+_Undecided = tuple[tuple[Condition, bool], ...]
+_last = LastAnswer[tuple[tuple[Condition, ...], _Undecided]]()
+
+
+def _undecided(problem: Problem) -> _Undecided:
     """Conditions on the members of which no hard order says whether they are out before, and whether they can be met.
 
-    Those that are always met are left out.
+    Those that are always met are left out. What a round of a solve adds is looked at alone.
     """
-    conditions = problem.conditions
+    known, found = _last.known(problem.before, b"") or ((), ())
+    if not starts_with(problem.conditions, known):
+        known, found = (), ()
+    found = (*found, *_undecided_of(problem, problem.conditions[len(known) :]))
+    _last.keep(problem.before, b"", (problem.conditions, found))
+    return found
+
+
+def _undecided_of(problem: Problem, conditions: Sequence[Condition]) -> Iterator[tuple[Condition, bool]]:
+    """The same of some of its conditions."""
     if not conditions:
         return
     rows = ConditionRows.of(conditions)
