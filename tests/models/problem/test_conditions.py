@@ -110,6 +110,17 @@ NUMBER = st.integers(0, COUNT - 1)
 POINT = st.tuples(st.sampled_from([0.0, -0.0, 0.1, 0.1 + 1e-17, 0.3]), st.just(1.5))
 
 
+@given(problems(), st.integers(0, 12))
+@examples(20)
+def test_of_a_further_round_only_its_new_conditions_are_looked_at(drawn: Problem, known: int) -> None:
+    simplify(replace(drawn, conditions=drawn.conditions[:known]))
+    one, other = simplify(drawn), simplify(replace(drawn, before=drawn.before.copy()))
+    assert one.conditions == other.conditions
+    assert one.site_cost.tolist() == other.site_cost.tolist()
+    simplify(replace(drawn, conditions=drawn.conditions[1:]))
+    assert simplify(drawn).conditions == other.conditions
+
+
 def candidates(places: list[tuple[int, Any, Any]]) -> list[Any]:
     ordered = sorted(places, key=lambda place: place[0])
     return [SimpleNamespace(contour=contour, pierce=pierce, end=end) for contour, pierce, end in ordered]
