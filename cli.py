@@ -124,8 +124,9 @@ def run() -> None:
     try:
         main()
     except SystemExit as end:
-        if any(not thread.daemon for thread in threading.enumerate() if thread is not threading.main_thread()):
-            raise  # something is still to be ended well
+        others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
+        if sys.getprofile() or sys.gettrace() or not all(thread.daemon for thread in others):
+            raise  # something is still to be ended well, or a profiler has something to say
         atexit._run_exitfuncs()
         for stream in (sys.stdout, sys.stderr):
             with contextlib.suppress(OSError, ValueError, AttributeError):

@@ -14,6 +14,11 @@ NEST = Path(kerfwise.__file__).parent / "examples" / "nests" / "e1x_6.json"
 UNNEEDED = (
     *("scipy", "ortools", "matplotlib", "ezdxf", "urllib.request"),
     *(f"kerfwise.{name}" for name in ("models.engines.search", "rules.flat.flatten", "postproc.nc.reordered_svg")),
+    *(f"kerfwise.{name}" for name in ("rules.flat.model_rule", "jobs.first_plan", "jobs.process_pool")),
+    *(
+        f"kerfwise.{name}"
+        for name in ("encoder.bevels.room", "encoder.candidates.lead_errors", "models.plan.explain.explain")
+    ),
 )
 HEAVY = ("numpy", "shapely", "numba", "ortools", "matplotlib", "ezdxf", "svgelements", "scipy", "rich", "yaml")
 
@@ -53,3 +58,20 @@ def test_python_m_is_the_command_line(module: str) -> None:
     wrong = subprocess.run([*asked, "solv"], capture_output=True, text=True)
     assert wrong.returncode == 2
     assert "unknown verb 'solv': did you mean 'solve'?" in wrong.stderr
+
+
+@pytest.mark.parametrize("watched", [False, True])
+def test_the_program_takes_nothing_apart_at_its_end_unless_it_is_watched(watched: bool) -> None:
+    script = (
+        "import atexit, os, sys\n"
+        "from kerfwise import cli\n"
+        "class Held:\n"
+        "    def __del__(self, told=os.write): told(1, b'taken apart')\n"
+        "held = Held()\n"
+        "atexit.register(print, 'told at exit')\n"
+        f"if {watched}: sys.setprofile(lambda *_: None)\n"
+        "sys.argv = ['kerfwise', '--version']\n"
+        "cli.run()\n"
+    )
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout.splitlines()[1:] == ["told at exit", *(["taken apart"] if watched else [])]
