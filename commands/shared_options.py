@@ -21,12 +21,13 @@ from kerfwise.jobs.inputs import (
     common_cuts_not_made,
     dates_ignored,
     drawn_nest,
+    fewer_than_wanted,
     plant_of,
     reading,
     silent,
     tabs_not_left,
 )
-from kerfwise.jobs.nest_job.job import job_beside
+from kerfwise.jobs.nest_job.job import ENDING, job_beside
 from kerfwise.languages import ENGLISH, LANGUAGES
 from kerfwise.models.engines import ENGINES, OLD_NAMES, Engine
 from kerfwise.rules.profile.load import DEFAULT, files_of
@@ -167,12 +168,16 @@ def reading_of(inputs: Inputs, options: Mapping[str, Any]) -> ReadOptions:
 def protect(inputs: Inputs, nest: str, outputs: Iterable[str | Path | None], *others: str | Path | None) -> None:
     """Say before the work that a file would be written over which is read: the nest, the profile's, or others.
 
-    Raises InputError naming the file.
+    The name of a job file is kept for one, be it there or not. Raises InputError naming the file.
     """
     from kerfwise.postproc.output_files import expect_outputs
 
+    written = [Path(output) for output in outputs if output]
     read = (Path(nest), *files_of(inputs.profile), *(Path(other) for other in (*others, job_beside(nest)) if other))
-    expect_outputs((Path(output) for output in outputs if output), read)
+    expect_outputs(written, read)
+    for path in written:
+        if path.name.lower().endswith((ENDING, ".job.yml")):
+            raise InputError("this is the name of a job file, which is read with its nest: give another", file=path)
 
 
 def note_placing(inputs: Inputs) -> None:
@@ -186,6 +191,8 @@ def note_placing(inputs: Inputs) -> None:
     if inputs.profile.cuts.links.longest_mm > 0 and (why := inputs.profile.no_links(inputs.nest)):
         click.echo(f"note: cuts.links: the torch stays on nowhere: {why}", err=True)
     if note := common_cuts_not_made(inputs):
+        print_note(note)
+    if note := fewer_than_wanted(inputs):
         print_note(note)
     if count := dates_ignored(inputs.nest, inputs.profile):
         parts = "1 part has" if count == 1 else f"{count} parts have"

@@ -157,6 +157,8 @@ def lines_of_contours(contours: Sequence[Contour]) -> NDArray[np.object_]:
 
 PART_TYPE = "of"
 """The attribute of a part that names the part type of which it is a copy."""
+QUANTITY_KEY = "quantity"
+"""The attribute of a part that says how many of it are wanted."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -16,7 +17,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import read_named
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.narrow_features import cut_across, lost_walls
-from kerfwise.encoder.nest import Nest, Part
+from kerfwise.encoder.nest import QUANTITY_KEY, Nest, Part
 from kerfwise.encoder.small_holes import diameter_under
 from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.nc.program import ARCS_REFITTED
@@ -346,6 +347,26 @@ def dates_ignored(nest: Nest, profile: Profile) -> int:
         if attribute_text(part, "due") or (attribute_text(part, "priority") and len(priorities) > 1)
     ]
     return len(dated) if len({(attribute_text(p, "due"), attribute_text(p, "priority")) for p in parts}) > 1 else 0
+
+
+def fewer_than_wanted(inputs: Inputs) -> str:
+    """Which parts say that more of them are wanted than the sheets hold, in a sentence; "" where none do."""
+    parts, sheets = (inputs.nest.drawn or inputs.nest).parts, 1 if inputs.job is None else inputs.job.quantity
+    wanted = {k: n for k, p in enumerate(parts) if isinstance(n := p.attributes.get(QUANTITY_KEY), int) and n > sheets}
+    alike = [(len(p.holes), round(p.polygon.area, 1), round(p.outer.curve.length_mm, 1)) for p in parts if wanted]
+    cut = Counter(alike)
+    rows = [
+        f"{parts[k].id} ({count} wanted, {there} cut)"
+        for k, count in wanted.items()
+        if count > (there := cut[alike[k]] * sheets)
+    ]
+    if not rows:
+        return ""
+    named = join_names(rows, MOST_NAMED)
+    return (
+        f"more parts are wanted than are cut: {named}; a plan cuts what the nest holds: `kerfwise nest` lays more, and "
+        "quantity in the job file says how many sheets are cut"
+    )
 
 
 def attribute_text(part: Part, key: str) -> str:

@@ -27,9 +27,8 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nearest_name import unknown
-from kerfwise.encoder.nest import Contour, Nest, Part, Sheet, as_scrap
+from kerfwise.encoder.nest import QUANTITY_KEY, Contour, Nest, Part, Sheet, as_scrap
 from kerfwise.encoder.readers.json_nest import nest_json
-from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.scrap import largest_rectangle
 from kerfwise.encoder.validate import scrap_problems

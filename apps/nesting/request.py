@@ -15,13 +15,12 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import is_file, is_folder, read_limited
 from kerfwise.encoder.nearest_name import unknown
-from kerfwise.encoder.nest import Nest, Part, Sheet
+from kerfwise.encoder.nest import QUANTITY_KEY, Nest, Part, Sheet
 from kerfwise.encoder.questions import Questions, QuestionsOfFiles, with_answers
 from kerfwise.encoder.readers.drawing import Drawing
 from kerfwise.encoder.readers.join import join
 from kerfwise.encoder.readers.json_nest import sheet_in_json
 from kerfwise.encoder.readers.layers import Layers
-from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.readers.options import ReadOptions
 from kerfwise.encoder.readers.read import SUFFIXES, file_bytes, known_suffix, read_nest, unpacked
 from kerfwise.encoder.readers.sheet import NO_SHEET, drawn_sheet

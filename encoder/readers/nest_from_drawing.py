@@ -16,7 +16,7 @@ from kerfwise.encoder.cut import Tab
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.geometry.tolerances import TOUCH_MM
-from kerfwise.encoder.nest import Bridge, Contour, Kind, Nest, Note, Part, Severity, as_scrap
+from kerfwise.encoder.nest import QUANTITY_KEY, Bridge, Contour, Kind, Nest, Note, Part, Severity, as_scrap
 from kerfwise.encoder.questions import Asking
 from kerfwise.encoder.validate import coincident
 
@@ -280,7 +280,6 @@ def _repeat(again: DrawnCurve, first: DrawnCurve, name: str) -> Note:
 # What a drawing says of its parts beside their lines.
 
 _WHOLE, _DECIMAL = re.compile(r"0|-?[1-9]\d{0,8}"), re.compile(r"-?(?:0|[1-9]\d{0,8})\.\d{1,6}")
-QUANTITY_KEY = "quantity"
 
 
 def attributes_of(outer: DrawnCurve) -> dict[str, object]:

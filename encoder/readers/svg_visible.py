@@ -50,7 +50,7 @@ def laid_out(root: Element) -> Seen:
     seen = Seen()
     _not_read(root, seen)
     named = {element.get("id", ""): element for element in root.iter() if element.get("id")}
-    _only_what_applies(root)
+    _only_what_applies(root, seen)
     lengths_resolved(root)
     _clones(root, named, seen)
     box = view_size(root)
@@ -62,12 +62,20 @@ def laid_out(root: Element) -> Seen:
     return seen
 
 
-def _only_what_applies(root: Element) -> None:
-    """Of every <switch> the first child that any viewer shows, or one in English."""
-    for switch in [element for element in root.iter() if tag_of(element) == "switch"]:
-        shown = next((child for child in switch if isinstance(child.tag, str) and _applies(child)), None)
-        for child in [child for child in switch if child is not shown]:
-            switch.remove(child)
+_OTHER = "of a <switch>, or for another language or viewer"
+
+
+def _only_what_applies(parent: Element, seen: Seen) -> None:
+    """Only what any viewer shows, or one in English; of every <switch> the first such child."""
+    children = [child for child in parent if isinstance(child.tag, str)]
+    shown = [child for child in children if _applies(child)]
+    kept = shown[:1] if tag_of(parent) == "switch" else shown
+    for child in kept:
+        _only_what_applies(child, seen)
+    for child in (*shown[len(kept) :], *(child for child in children if not _applies(child))):
+        parent.remove(child)
+        if drawn := sum(tag_of(one) in (*LEAVES, "text", "use") for one in child.iter()):
+            seen.hidden[_OTHER] += drawn
 
 
 def _applies(child: Element) -> bool:
@@ -94,7 +102,7 @@ def _drawn(use: Element, named: Mapping[str, Element], within: tuple[str, ...], 
     if target is None and href:
         why = "the file holds no such thing" if href.startswith("#") else "it is in another file"
         seen.missing.append(f"a clone of '{href}' is left out: {why}")
-    if target is None or href in within:
+    if target is None or href in within or not _applies(target):
         return group
     x, y = (length_px(use.get(name, "0")) for name in ("x", "y"))
     holder = SubElement(group, f"{space}g", {"transform": f"translate({x:.12g} {y:.12g})"}) if x or y else group

@@ -166,6 +166,9 @@ def test_a_wrong_job_file_is_answered_in_its_place_and_nothing_is_written(text: 
         (("--job", "none.job.yaml"), "none.job.yaml: cannot read the job file: No such file or directory"),
         (("-o", "plate.job.yaml"), "plate.job.yaml: would be written over, and is read from"),
         (("--no-job", "-o", "plate.job.yaml"), "plate.job.yaml: would be written over, and is read from"),
+        (("-p", "plants/shop.yaml", "-o", "plants/shop.yaml"), "plants/shop.yaml: would be written over, and is read"),
+        (("-o", "other.job.yaml"), "other.job.yaml: this is the name of a job file, which is read with its nest"),
+        (("--plan", "PLATE.job.yml"), "PLATE.job.yml: this is the name of a job file, which is read with its nest"),
     ],
 )
 def test_what_is_wrong_on_the_command_line(asked: tuple[str, ...], message: str) -> None:

@@ -58,6 +58,16 @@ def test_a_day_may_be_given_for_one_program(tmp_path: Path) -> None:
     assert "expected a day such as 2026-12-24 (year-month-day), got '30.11.2026'" in done.err
 
 
+def test_parts_of_which_more_are_wanted_are_told(tmp_path: Path) -> None:
+    """A plan cuts what is drawn, however many a part says."""
+    wanted = {"A": {"quantity": 4}, "B": {"quantity": 2}}  # both are the same, so that there are two of B
+    nest = plate(tmp_path, **wanted)
+    words = ("solve", nest, "--work", "0.1", "-o", tmp_path / "out.nc")
+    assert "more parts are wanted than are cut: A (4 wanted, 2 cut); a plan cuts what" in kerfwise(*words).err
+    (tmp_path / "plate.job.yaml").write_text("quantity: 2\n", encoding="utf-8")
+    assert "wanted" not in kerfwise(*words).err
+
+
 @pytest.mark.parametrize(
     ("said", "noted"),
     [

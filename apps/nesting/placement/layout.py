@@ -14,9 +14,8 @@ import shapely
 from kerfwise.encoder.bevels.bevel import Bevel
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.nest import PART_TYPE, Contour, Kind, Nest
+from kerfwise.encoder.nest import PART_TYPE, QUANTITY_KEY, Contour, Kind, Nest
 from kerfwise.encoder.readers.json_nest import dxf_in_mm
-from kerfwise.encoder.readers.nest_from_drawing import QUANTITY_KEY
 from kerfwise.encoder.scrap import largest_rectangle
 
 from .demand import QUARTERS, Demand, Spacing, Stock

@@ -79,6 +79,9 @@ def test_what_a_viewer_shows_is_read(tmp_path: Path, body: str, area: float) -> 
         '<desc><rect x="20" y="15" width="5" height="5"/></desc>',
         '<switch><g/><rect x="20" y="15" width="5" height="5"/></switch>',
         '<switch><rect systemLanguage="tlh" x="20" y="15" width="5" height="5"/><g/></switch>',
+        '<rect systemLanguage="de, fr" x="20" y="15" width="5" height="5"/>',
+        '<g requiredExtensions="urn:x"><rect x="20" y="15" width="5" height="5"/></g>',
+        '<defs><rect id="u" systemLanguage="de" x="20" y="15" width="5" height="5"/></defs><use href="#u"/>',
         '<svg x="60" y="10" width="5" height="5"><rect x="-40" y="5" width="5" height="5"/></svg>',
     ],
 )
@@ -110,6 +113,12 @@ def test_what_a_nested_page_cuts_off_is_asked_about(tmp_path: Path) -> None:
         read(tmp_path, body)
     assert metal(read(tmp_path, body, answers=(("clip", "clipped"),))) == pytest.approx(200)
     assert metal(read(tmp_path, body.replace("<svg", '<svg overflow="visible"'))) == pytest.approx(400)
+
+
+def test_what_is_for_another_language_is_told(tmp_path: Path) -> None:
+    body = '<switch><rect systemLanguage="de" x="20" y="15" width="5" height="5"/><g/><rect width="9"/></switch>'
+    told = [note.text for note in read(tmp_path, f'{PART}{body}<g systemLanguage="tlh"><text>A</text></g>').notes]
+    assert "left out, as the shapes are not shown: 3 (of a <switch>, or for another language or viewer)" in told
 
 
 def test_what_lies_in_other_files_is_said(tmp_path: Path) -> None:
