@@ -285,6 +285,7 @@ def figures_of(plan: Plan) -> dict[str, Any]:
         "time_s": float(plan.totals.time_s),
         "cuts": len(plan.cuts),
         "excuses": solve.excuses,
+        "unkept": plan.stated.count,
         "dropped": len(plan.dropped),
     }
 

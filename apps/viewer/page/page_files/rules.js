@@ -3,7 +3,7 @@
 import { byId, make } from "./elements.js";
 import { tr, trn } from "./say.js";
 import { inWords } from "./sentences.js";
-import { notHeld } from "./unkept.js";
+import { droppedOrders, notHeld } from "./unkept.js";
 import { metres, stateClass, strengthText } from "./words.js";
 
 /**
@@ -24,13 +24,14 @@ export function rulesPanel(app) {
       panel.replaceChildren(make("p", { class: "hint" }, tr("No plan, no verdict.")));
       return;
     }
-    const { rules, warnings } = app.side, unkept = notHeld(app.side);
+    const { rules, warnings } = app.side, unkept = notHeld(app.side), orders = droppedOrders(app.side);
     panel.replaceChildren(
       verdict(app),
       ...(warnings ?? []).map(text => make("p", { class: "warn" }, text)),
-      unkept.length ? make("section", { class: "kept-open" }, make("h2", { class: "small" }, trn("Not kept: {n} place", "Not kept: {n} places", unkept.length)),
-        ...unkept.map(place => spot(app, place, place.text, place.why)))
-        : make("p", { class: "hint" }, tr("Nothing was excused, and no statement was dropped.")),
+      ...(unkept.length ? [make("section", { class: "kept-open" }, make("h2", { class: "small" }, trn("Not kept: {n} place", "Not kept: {n} places", unkept.length)),
+        ...unkept.map(place => spot(app, place, place.text, place.why)))] : []),
+      ...(orders.length ? [make("section", {}, make("h2", { class: "small" }, tr("dropped orders")), ...orders.map(place => spot(app, place, place.text, place.why)))] : []),
+      ...(unkept.length || orders.length ? [] : [make("p", { class: "hint" }, tr("Nothing was excused, and no statement was dropped."))]),
       make("table", { class: "score" },
         make("thead", {}, make("tr", {}, ...[tr("rule"), tr("strength"), tr("breaches"), tr("cost")].map(text => make("th", { scope: "col" }, text)))),
         make("tbody", {}, ...sorted(rules).flatMap(rule => lines(app, rule, open === rule.id, () => {

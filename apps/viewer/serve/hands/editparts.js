@@ -1,5 +1,6 @@
 /** @import { Work } from "./work.js" */
 /** @import { Gap, Lying, Outline } from "./poses.js" */
+/** @typedef {{gap: Gap, least: number, other: string, over: string}} Near */
 import { askServer, sendServer } from "./asking.js";
 import { pen, trace, write } from "./brush.js";
 import { make } from "./elements.js";
@@ -245,16 +246,16 @@ class PartEditor {
   }
 
   /** The gaps of a part to what lies near it, the least first; `edge` of that to the sheet. */
-  /** @type {(part: number) => {gap: Gap, least: number, other: string}[]} */
+  /** @type {(part: number) => Near[]} */
   #gaps(part) {
     const mine = this.#outline(part), box = boundsOf(mine.outer), { gap_mm, edge_mm } = this.room ?? { gap_mm: 0, edge_mm: 0 };
     const sheet = this.app.data.nest.sheet.map((/** @type {number[]} */ rows) => flattened(rows, true, CHORD_MM));
-    const gaps = [{ gap: gapToEdge(mine, sheet), least: edge_mm, other: tr("edge") }];
+    const gaps = [{ gap: gapToEdge(mine, sheet), least: edge_mm, other: tr("edge"), over: tr("would lie over the sheet's edge") }];
     this.#names.forEach((other, k) => {
       if (k === part || this.#lying(k).dropped) return;
       const theirs = this.#outline(k);
       if (!boxesNear(box, boundsOf(theirs.outer), LOOKED_MM)) return;
-      gaps.push({ gap: gapBetween(mine, theirs), least: gap_mm, other });
+      gaps.push({ gap: gapBetween(mine, theirs), least: gap_mm, other, over: tr("collides with {other}", { other }) });
     });
     return gaps.filter(one => one.gap.mm < LOOKED_MM).sort((a, b) => a.gap.mm - a.least - b.gap.mm + b.least);
   }
@@ -350,7 +351,7 @@ class PartEditor {
     context.font = "700 13px system-ui, 'DejaVu Sans', sans-serif";
     context.textAlign = "center";
     context.textBaseline = "bottom";
-    const text = bad ? tr("collision") : `${figure(nearest.gap.mm, 1)} mm`, half = context.measureText(text).width / 2 + LABEL_RIM_PX;
+    const text = bad ? nearest.over : `${figure(nearest.gap.mm, 1)} mm`, half = context.measureText(text).width / 2 + LABEL_RIM_PX;
     const x = Math.max(half, Math.min(stage.size.wide - half, (a[0] + b[0]) / 2)); // whole on the drawing
     write(context, text, x, (a[1] + b[1]) / 2 - 4, colour, ink.halo);
   }
@@ -389,9 +390,9 @@ class PartEditor {
   }
 }
 
-/** @type {(near: {gap: Gap, least: number, other: string}) => string} */
-function gapText({ gap, least, other }) {
-  if (gap.mm < 0) return tr("collides with {other}", { other });
+/** @type {(near: Near) => string} */
+function gapText({ gap, least, other, over }) {
+  if (gap.mm < 0) return over;
   const mm = figure(gap.mm, 1);
   return gap.mm < least ? tr("{mm} mm to {other}: {least} mm are kept", { mm, other, least: figure(least, 1) }) : tr("{mm} mm to {other}", { mm, other });
 }

@@ -35,7 +35,7 @@ export function planBar(app, work, history) {
   work.on(() => {
     const { solving, fits, problem, upto, shown, saved } = work.state, isSaved = saved?.number === shown;
     plan.hidden = Boolean(solving);
-    plan.classList.toggle("primary", !fits);
+    plan.classList.toggle("primary", !fits && !work.state.conflict);
     plan.toggleAttribute("disabled", work.lost);
     plan.title = work.lost ? tr("the connection is lost") : tr("plan what is wanted (Enter)");
     cancel.hidden = !solving;

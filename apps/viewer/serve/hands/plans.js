@@ -23,13 +23,13 @@ export function plansPanel(app, work) {
 
 /** @type {(work: Work, one: any, best: number) => HTMLElement} */
 function planRow(work, one, best) {
-  const { light_mm, idle_mm, time_s, excuses } = one.figures, { shown } = work.state;
+  const { light_mm, idle_mm, time_s, excuses, unkept = excuses } = one.figures, { shown } = work.state;
   const keep = make("button", { type: "button", class: "keep", "aria-pressed": String(one.kept), title: tr("a plan that is kept is never thrown away"),
     onclick: () => work.change("keep", { number: one.number, kept: !one.kept }) }, one.kept ? tr("kept") : tr("keep"));
   const more = light_mm > best + 0.5 ? tr("costs {more} more than the least", { more: metres(light_mm - best) }) : tr("costs the least");
   const flags = [stageText(one), one.unpriced && tr("overheats are not counted"), !one.of_now && tr("of the drawing before it was changed"), one.stopped && tr("cancelled"), one.upto && tr("after cut {upto}", { upto: one.upto })];
   const text = [tr("idle {idle}", { idle: metres(idle_mm) }), provenShort(one.figures), clock(time_s), more].join(", ");
-  const state = one.ok && !one.checked ? ["warn", tr("program not checked yet")] : !one.ok ? ["bad", tr("refused: {rules}", { rules: one.broken.join(", ") })] : excuses ? ["warn", trn("{n} place not kept", "{n} places not kept", excuses)] : ["good", tr("every hard rule holds")];
+  const state = one.ok && !one.checked ? ["warn", tr("program not checked yet")] : !one.ok ? ["bad", tr("refused: {rules}", { rules: one.broken.join(", ") })] : unkept ? ["warn", trn("{n} place not kept", "{n} places not kept", unkept)] : ["good", tr("every hard rule holds")];
   const compared = work.compared?.[1] === one.number;
   const compare = one.number === shown ? null : make("button", { type: "button", class: "compare", "aria-pressed": String(compared),
     "aria-label": tr("compare plan {number} with plan {shown}", { number: one.number, shown }), onclick: () => comparePlans(work, compared ? null : [shown, one.number]) }, tr("compare"));

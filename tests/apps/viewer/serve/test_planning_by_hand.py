@@ -25,8 +25,14 @@ def test_locks_in_words_weights_and_a_conflict(look: Look, planned: Tab, wide: i
     assert "A.hole1 is cut before A.outer" in page.locator("#hands-conflict").inner_text()
     assert planned.state()["settings"] == {"rules.heat-lag.weight": "100 mm"}
     page.wait_for_selector("#hands-conflict p:last-child .good")
+    page.wait_for_selector("#hands-plan:not(.primary)")  # it would find the same: a way out is to be taken
     page.click("#hands-conflict button:has-text('relax')")
     at.planned(2)
+    at.page.wait_for_selector("#hands-plans li.shown .chip:has-text('kept')")
+    unkept = planned.state()["alternatives"][-1]["figures"]["unkept"]
+    assert unkept == at.ask("app.side.state.count") == at.ask("app.side.rules.flatMap(one => one.excused).length")
+    assert page.locator("#rules-said .kept-open .place").count() == unkept > 0
+    assert page.locator("#hands-plans li.shown .chip").inner_text().startswith(f"{unkept} place")
     assert at.page.locator("#hands-plans li.shown small").inner_text()
     page.click("#hands-undo")
     page.wait_for_selector("#hands-plans li:nth-child(1).shown", state="attached")
