@@ -320,6 +320,11 @@ def _polyline(ocs: OCS, points: Sequence[tuple[float, ...]], closed: bool, tilt:
 def _ellipse(ellipse: ConstructionEllipse, scale: float) -> Curve | None:
     """A circle or arc where the axes are equal, else fitted arcs."""
     tilt, sweep = ellipse.extrusion.z, ellipse.param_span
+    if not NO_TURN < sweep < math.tau - NO_TURN:  # ezdxf draws none that begins anywhere but at 0
+        ellipse, sweep = (
+            ConstructionEllipse(ellipse.center, ellipse.major_axis, ellipse.extrusion, ellipse.ratio),
+            math.tau,
+        )
     if abs(ellipse.ratio - 1) < ROUND and abs(abs(tilt) - 1) < ROUND:
         params = [ellipse.start_param + sweep * f for f in (0.0, 0.5, 1.0)]
         return _bent(list(ellipse.vertices(params)), sweep, tilt, scale)

@@ -33,6 +33,7 @@ _SIDES = {
     "use": _PLACE,
 }
 """Of what a share is one: the width, the height, or the mean diagonal of the viewport."""
+_STARTS = ("x", "y", "cx", "cy", "x1", "y1", "x2", "y2")
 _RELATIVE = re.compile(r"\s*([-+]?[0-9.]+(?:[eE][-+]?\d+)?)\s*(%|r?em|ex|ch)\s*")
 _EMS = {"em": 1.0, "ex": 0.5, "ch": 0.5}
 _MEDIUM_PX = 16.0
@@ -115,16 +116,20 @@ def _resolve(element: Element, size: Size, em: float, root_em: float, is_root: b
 def _plain_lengths(element: Element, tag: str, style: dict[str, str], size: Size, em: float, root_em: float) -> None:
     whole = (*size, math.hypot(*size) / math.sqrt(2))
     for name, of in _SIDES.get(tag, {}).items():
+        if name in _STARTS:  # svgelements hands on what an element around says
+            element.set(name, element.get(name, "0"))
         found = _RELATIVE.fullmatch(style.get(name, ""))
         if found is None:
             continue
         number, unit = float(found[1]), found[2]
         per_unit = whole[of] / 100 if unit == "%" else root_em if unit == "rem" else em * _EMS[unit]
         _set(element, style, name, f"{number * per_unit:.12g}")
-    if tag == "ellipse":  # a radius that is not given is as long as the other
+    if tag in ("ellipse", "rect"):  # a radius that is not given is as long as the other
         for name, other in (("rx", "ry"), ("ry", "rx")):
             if style.get(name, "auto").strip() == "auto" and style.get(other, "auto").strip() != "auto":
                 _set(element, style, name, style[other])
+            elif tag == "rect" and style.get(name, "auto").strip() == "auto":
+                _set(element, style, name, "0")
 
 
 def _set(element: Element, said: dict[str, str], name: str, value: str) -> None:

@@ -58,7 +58,12 @@ def laid_out(root: Element) -> Seen:
         _moved_origin(element, box)
     write_out(root, box)
     _clipped(root, named, seen)
-    _without_hidden(root, {}, 1.0, named, seen)
+    around = Element("g")
+    around.append(root)
+    _without_hidden(around, {}, 1.0, named, seen)
+    if not len(around):
+        del root[:]
+        root.attrib = {k: v for k, v in root.attrib.items() if k not in ("style", "display")}
     return seen
 
 
@@ -284,7 +289,7 @@ def _without_hidden(
 _HOLDERS = frozenset({
     "svg", "g", "a", "switch", "defs", "symbol", "text", "image", "style", "title", "desc", "metadata", "clipPath",
     "mask", "marker", "pattern", "filter", "script", "foreignObject", "view", "linearGradient", "radialGradient",
-    "namedview", "animate", "animateTransform", "animateMotion", "set",
+    "stop", "namedview", "animate", "animateTransform", "animateMotion", "set",
 })  # fmt: skip
 """Elements with others inside, as far as they are looked into or passed over without a word."""
 

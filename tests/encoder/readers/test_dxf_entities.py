@@ -124,6 +124,9 @@ def test_the_control_points_of_a_smoothed_polyline_are_no_part_of_it(tmp_path: P
 @pytest.mark.parametrize("angles", [(0, 360), (45, 45), (2.8, 362.8), (359.4, 719.4), (10.1, -349.9), (30, 30 + 1e-12)])
 def test_an_arc_that_ends_where_it_begins_is_a_circle(tmp_path: Path, angles: tuple[float, float]) -> None:
     assert areas_of(only(tmp_path, lambda s: s.add_arc((50, 50), 20, *angles))) == round(400 * math.pi, 3)
+    params = map(math.radians, angles)
+    area = areas_of(only(tmp_path, lambda s: s.add_ellipse((50, 50), (20, 0), 0.5, *params)))
+    assert area == pytest.approx(200 * math.pi, abs=0.5)
 
 
 def test_lines_and_arcs_in_any_order(tmp_path: Path) -> None:

@@ -56,6 +56,12 @@ SYMBOL = '<symbol id="s" viewBox="0 0 10 10" {}><rect x="1" y="6" width="8" heig
             SYMBOL.replace("{}", "") + '<use href="#s" style="transform:rotate(9deg)" x="90" width="60" height="60"/>',
             864,
         ),
+        ('<g rx="9" width="7"><rect width="50" height="40" x="9" y="9" rx="auto"/></g>', 2000),
+        ('<rect width="50" height="40" x="9" y="9" rx="auto" ry="10"/>', 2000 - (4 - math.pi) * 100),
+        (
+            '<linearGradient id="g"><stop/></linearGradient><rect width="9" height="9" fill="url(#g)" stroke="none"/>',
+            81,
+        ),
         ("""<path style="d:path('M20 20h50v40h-50z')"/>""", 2000),
         ('<path d="M20 20h50v40h-50" fill="black" stroke="none"/>', 2000),
         ('<svg width="0" height="10" viewBox="0 0 9 9"><rect width="9" height="9"/></svg>' + PART, 800),
@@ -63,6 +69,27 @@ SYMBOL = '<symbol id="s" viewBox="0 0 10 10" {}><rect x="1" y="6" width="8" heig
 )
 def test_what_a_viewer_shows_is_read(tmp_path: Path, body: str, area: float) -> None:
     assert metal(read(tmp_path, body)) == pytest.approx(area, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("body", "bounds"),
+    [
+        ('<svg x="50" y="10" width="100" height="80"><rect width="50" height="50"/></svg>', (50, 40, 100, 90)),
+        ('<svg x="50" width="100" height="80"><svg width="60" height="60"><rect width="9" height="9"/></svg></svg>',
+         (50, 91, 59, 100)),
+        ('<g cx="90" cy="50" x1="7"><circle r="10" cx="20" transform="translate(0 50)"/></g>', (10, 40, 30, 60)),
+    ],
+)  # fmt: skip
+def test_a_place_that_is_not_given_is_0(tmp_path: Path, body: str, bounds: tuple[float, ...]) -> None:
+    """And not what an element around says of itself, which svgelements hands on."""
+    assert read(tmp_path, body).parts[0].outer.polygon.bounds == pytest.approx(bounds, abs=0.03)
+
+
+@pytest.mark.parametrize("root", ['display="none"', 'style="display: none"', 'fill="none"', 'opacity="0"'])
+def test_what_the_root_hides_is_not_cut(tmp_path: Path, root: str) -> None:
+    (path := tmp_path / "drawing.svg").write_text(HEAD.replace("<svg", f"<svg {root}") + PART + "</svg>")
+    with pytest.raises(InputError, match="nothing to cut: shape is not shown: 1 "):
+        read_drawing(path)
 
 
 @pytest.mark.parametrize(
