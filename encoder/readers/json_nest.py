@@ -322,14 +322,30 @@ def _no_number(value: object) -> str | None:
 
 
 def _not_read(document: Mapping[str, Any]) -> list[Note]:
-    """A word on keys of the file and of its sheet that nothing reads; a part may have any."""
-    return [
-        Note("warning", f"nothing reads the key '{key}' of {'the sheet' if kind else 'the file'}")
-        for _, kind, value in _objects(document)
-        if kind != "parts"
-        for key in value
-        if key not in KEYS[kind]
-    ]
+    """A word on keys of the file and of its sheet that nothing reads; a part may have any, but for what moves it."""
+    notes, moved = [], dict[str, int]()
+    for _, kind, value in _objects(document):
+        for key in value.keys() - set(KEYS[kind]) if kind == "parts" else value:
+            if kind == "parts" and (key.lower() in _MOVES or _holds_shapes(value[key])):
+                moved[key] = moved.get(key, 0) + 1
+            elif kind != "parts" and key not in KEYS[kind]:
+                notes.append(Note("warning", f"nothing reads the key '{key}' of {'the sheet' if kind else 'the file'}"))
+    if moved:
+        keys = ", ".join(f"'{key}' ({count})" for key, count in sorted(moved.items()))
+        told = f"of parts, {keys} are attributes for rules alone: vertices say what is cut and where"
+        notes.append(Note("warning", f"{told}, quantity how many are wanted"))
+    return notes
+
+
+_MOVES = frozenset(
+    ["x", "y", "dx", "dy", "position", "offset", "translate", "translation", "rotation", "rotate", "angle", "scale", "mirror", "flip", "transform", "units", "unit", "qty", "count", "copies", "pcs", "pieces"]
+)
+"""Keys by which other programs say where a part lies, how large it is, and how many are wanted."""
+
+
+def _holds_shapes(value: object) -> bool:
+    """Whether a value is a list of objects or of lists, such as circles."""
+    return isinstance(value, list) and any(isinstance(one, dict | list) for one in value)
 
 
 def _refusal(found: list[tuple[list[str | int], str]], text: str, ids: list[object]) -> InputError:

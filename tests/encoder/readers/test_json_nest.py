@@ -80,6 +80,16 @@ def test_keys_that_nothing_reads_are_told(tmp_path: Path) -> None:
     assert texts(read(tmp_path, given).notes) == told
 
 
+@pytest.mark.parametrize("key", ["rotation", "X", "qty", "circles", "units"])
+def test_a_part_is_not_placed_or_repeated_by_attributes_which_is_told(tmp_path: Path, key: str) -> None:
+    given = document()
+    given["parts"][0] |= {key: [{"x": 4, "y": 4, "r": 1}] if key == "circles" else 90}
+    told = (
+        f"of parts, '{key}' (1) are attributes for rules alone: vertices say what is cut and where, quantity how many"
+    )
+    assert [text.startswith(told) for text in texts(read(tmp_path, given).notes)] == [True]
+
+
 def put(*path: str | int, value: object) -> Callable[[Document], None]:
     def change(given: Any) -> None:
         for step in path[:-1]:
