@@ -338,7 +338,30 @@ def _not_read(document: Mapping[str, Any]) -> list[Note]:
 
 
 _MOVES = frozenset(
-    ["x", "y", "dx", "dy", "position", "offset", "translate", "translation", "rotation", "rotate", "angle", "scale", "mirror", "flip", "transform", "units", "unit", "qty", "count", "copies", "pcs", "pieces"]
+    [
+        "x",
+        "y",
+        "dx",
+        "dy",
+        "position",
+        "offset",
+        "translate",
+        "translation",
+        "rotation",
+        "rotate",
+        "angle",
+        "scale",
+        "mirror",
+        "flip",
+        "transform",
+        "units",
+        "unit",
+        "qty",
+        "count",
+        "copies",
+        "pcs",
+        "pieces",
+    ]
 )
 """Keys by which other programs say where a part lies, how large it is, and how many are wanted."""
 

@@ -179,6 +179,8 @@ class Control:
     `rotary` are the letters of the axes that tilt and turn a torch, in this order, "" where none does; where these move
     alone F counts degrees a minute, or turns (`turns_rpm`).
     `fed_by_chart` says that a program without F words is cut at the feed of the control's cut chart.
+    `foreign` are M words of its family that this control does not have, though words of its own mean them. `heights`
+    are the words that stop height control and start it again.
     """
 
     title: str
@@ -231,6 +233,8 @@ class Control:
     rotary: str = ""
     turns_rpm: bool = False
     fed_by_chart: bool = False
+    foreign: frozenset[float] = frozenset()
+    heights: tuple[float, ...] = ()
 
     @property
     def has_own_words(self) -> bool:
@@ -307,6 +311,7 @@ CONTROLS: Mapping[str, Control] = {
         means=((re.compile(f"M07(?:HS)?(?:N2(?![0-9])|AR){_ON_START}*"), "M07$1"),),  # the torch itself marks (XPR)
         turns_rpm=True,
         fed_by_chart=True,
+        heights=(50.0, 51.0),
         selects=37.0,
         deselects=38.0,
         process=36.0,
@@ -322,6 +327,7 @@ CONTROLS: Mapping[str, Control] = {
         known_m=frozenset({0.0, 1.0, 3.0, 4.0, 14.0, 15.0, 30.0}),
         starts={4.0: 0},
         stops={3.0: 0},
+        heights=(14.0, 15.0),
         dwell="F",
         bare=True,
         centre_absolute=True,

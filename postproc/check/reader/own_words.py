@@ -53,10 +53,11 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
     if (form := _comment_form(dialect)) is not None and not control.arcs:
         changes |= {"comment_form": form, "comments": True, "opens": "".join(c for c in "(;" if c == form[0])}
     changes["subprograms"] = dialect.subprogram is not None
-    changes["also"] = (*(_pattern(one, control, file) for one in dialect.also), *control.also)
+    changes["also"] = control.also
     if (reads := dialect.reads) is not None:
         means = [(_regex(own, named=True), _template(known)) for own, known in reads.means]
         changes["means"] = (*means, *control.means)
+        changes |= _of_another_control(dialect, control)
         changes["title"] = reads.title or control.title
         changes["fixed"] = control.fixed | {_code_number(word, file) for block in reads.fixed for word in block.split()}
         if reads.dwell is not None:
@@ -71,6 +72,8 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
             changes["feed_mm_min"] = _FEEDS[reads.feed]
         if reads.longest is not None:
             changes["longest"] = reads.longest
+    own: Control = replace(control, known_m=control.known_m - changes.get("foreign", frozenset()))  # type: ignore[operator]
+    changes["also"] = (*(_pattern(one, own, file) for one in dialect.also), *changes["also"])  # type: ignore[misc]
     changed: Control = replace(control, **changes)  # type: ignore[arg-type]
     if rests := [s for s, _ in _own_waits(dialect.torch_off, changed)]:
         changed = replace(changed, rests_s=sum(rests))
@@ -78,6 +81,22 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
     if waits:
         changed = replace(changed, stands_s=sum(s for s, _ in waits), preheat_s=sum(s for s, lit in waits if not lit))
     return changed
+
+
+def _of_another_control(dialect: Dialect, control: Control) -> dict[str, object]:
+    """What its family's words are to a control that switches its torch by others: none of its own, but those it writes.
+
+    Where M3 and M5 mean M07 and M08, as on Fanuc-like controls, M08 itself starts a coolant.
+    """
+    meant = _m_words(" ".join(known for _, known in dialect.reads.means)) if dialect.reads is not None else set()
+    if meant.isdisjoint((*control.starts, *control.stops)):
+        return {}
+    written = replace(dialect, reads=None, also=(), assumes={}, verified_by=(), no_marking=None)
+    return {"foreign": control.known_m - HALTS - ENDS - _m_words(repr(written)), "also": ()}
+
+
+def _m_words(text: str) -> set[float]:
+    return {float(found[1]) for found in re.finditer(r"(?<![A-Za-z])M0*([0-9]+)", text)}
 
 
 def _own_waits(blocks: Sequence[str], control: Control) -> Iterator[tuple[float, bool]]:

@@ -26,6 +26,7 @@ from .words import Block, block_of
 
 _KERF_MM = 0.001
 """By how much a kerf may differ that a program tells the control: it is written with so many digits."""
+_M_WORD = re.compile(r"(?<![A-Z])M0*([0-9]+)(?![0-9.])")
 _NAMES_CUT = re.compile(r"(?:CUT|MARK|PIERCE) \d+ |STRETCH ", re.IGNORECASE)
 
 
@@ -211,11 +212,25 @@ class Machine:
                 else:
                     self.own_line = line
                 row = without(row, found)
+        if control.foreign:
+            self._expect_own(row, line)
         for own, known in control.means:
             for found in reversed(list(own.finditer(row.code))):
                 row = without(row, found, known.format(**found.groupdict()))
         self.blocks += bool(code) and not row.code
         return row
+
+    def _expect_own(self, row: Row, line: int) -> None:
+        """Refuse a word that the control's family has, and the control itself has not, or for something else."""
+        rest = row.code
+        for own, _ in self.control.means:
+            rest = own.sub(" ", rest)
+        for found in _M_WORD.finditer(rest):
+            if float(found[1]) in self.control.foreign:
+                text = f"{found[0]} is not understood, and not supported here, in a program for {self.control.title}"
+                why = "its dialect has other words for what switches (reads.means); name it under also if it is none"
+                column = row.columns[row.code.index(found[0])]
+                raise InputError(f"{text}: {why}", line=line, column=column)
 
     def _expect_there(self, also: Declared, row: Row, at: int, line: int) -> None:
         """Refuse a word where it may not stand."""

@@ -19,13 +19,17 @@ ENDS = frozenset({2.0, 30.0})
 
 @dataclass(slots=True)
 class ToolsOn(ABC):
-    """The tools that are on; the control holds the torch for `held_s` where it starts to cut, and to mark."""
+    """The tools that are on; the control holds the torch for `held_s` where it starts to cut, and to mark.
+
+    `held_from` is the line where height control was stopped in a cut, 0 where it is on.
+    """
 
     track: Track
     control: Control
     held_s: tuple[float, float]
     on: list[int] = field(default_factory=list)
     ended: bool = False
+    held_from: int = 0
 
     @abstractmethod
     def switch(self, block: Block, motion: float | None, modal: float | None) -> None:
@@ -48,10 +52,18 @@ class ToolsOn(ABC):
         """Start a tool where the torch stands."""
         if self.on:
             self.track.fault(line, "torch-off-travel", f"tool ${tool} is started while ${self.on[0]} is on")
+        self.expect_height(line)
         if tool not in self.on:
             self.on.append(tool)
         if self.track.open is None:
             self.track.begin(tool, line, self.held_s[0] if tool == 0 else self.held_s[1])
+
+    def expect_height(self, line: int) -> None:
+        """Note height control that a cut has stopped, and nothing has started again."""
+        if self.held_from:
+            text = f"height control, stopped in the cut on line {self.held_from}, is not started again after it"
+            self.track.fault(line, "program-state", text)
+            self.held_from = 0
 
     def stop(self, tool: int) -> None:
         """Stop a tool, or all."""
@@ -67,6 +79,7 @@ def finish_program(
     track.close()
     if tools.on:
         track.fault(line, "torch-off-travel", "the program ends with the torch on")
+    tools.expect_height(line)
     if track.torches:
         text = f"the program ends with torch {track.torches[0]} selected: it would burn in the next program, too"
         track.fault(line, "program-state", text)
@@ -131,6 +144,9 @@ class Tools(ToolsOn):
                 self._output(word, block)
             elif word.value == self.control.process:
                 self._process(word, block)
+            elif word.value in self.control.heights and "P" not in block.words:
+                stops = word.value == self.control.heights[0]
+                self.held_from = (block.line if self.on else self.held_from) if stops else 0
             elif word.value in self.control.starts:
                 self._start(word, block)
             elif word.value in self.control.stops:

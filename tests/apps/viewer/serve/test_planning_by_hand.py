@@ -28,11 +28,11 @@ def test_locks_in_words_weights_and_a_conflict(look: Look, planned: Tab, wide: i
     page.wait_for_selector("#hands-plan:not(.primary)")  # it would find the same: a way out is to be taken
     page.click("#hands-conflict button:has-text('relax')")
     at.planned(2)
-    at.page.wait_for_selector("#hands-plans li.shown .chip:has-text('kept')")
+    at.page.wait_for_selector("#hands-plans li.shown .chip:has-text('kept')", state="attached")
     unkept = planned.state()["alternatives"][-1]["figures"]["unkept"]
     assert unkept == at.ask("app.side.state.count") == at.ask("app.side.rules.flatMap(one => one.excused).length")
     assert page.locator("#rules-said .kept-open .place").count() == unkept > 0
-    assert page.locator("#hands-plans li.shown .chip").inner_text().startswith(f"{unkept} place")
+    assert str(page.locator("#hands-plans li.shown .chip").text_content()).startswith(f"{unkept} place")
     assert at.page.locator("#hands-plans li.shown small").inner_text()
     page.click("#hands-undo")
     page.wait_for_selector("#hands-plans li:nth-child(1).shown", state="attached")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from hypothesis import example, given
@@ -11,8 +13,11 @@ from hypothesis import strategies as st
 from kerfwise import InputError
 from kerfwise.postproc.check.reader import controls
 from kerfwise.postproc.check.reader.controls import CONTROLS
+from kerfwise.postproc.check.reader.own_words import control_for
 from kerfwise.postproc.check.reader.program import NcProgram
 from kerfwise.postproc.check.reader.rs274 import read_nc
+from kerfwise.postproc.dialects import load_dialect
+from kerfwise.postproc.dialects.blocks import Also
 
 GRBL_HEAD = "G21\nG90 G17 G40 G94\n"
 EIA_HEAD = "G21\nG90\nG40\n"
@@ -108,6 +113,36 @@ def test_eia_marks_by_m07_where_a_process_that_marks_is_selected() -> None:
     assert [(burn.tool, burn.path.length_mm) for burn in eia(body).burns] == [(1, 10.0), (0, 3.0)]
     (fault, *_) = eia("G00 X5 Y5\nM07\nM36 T3\nG01 X15 F600\nM08\nM36 T1\nM08").faults
     assert "selects another process while a tool is on" in fault.text
+
+
+@pytest.mark.parametrize(
+    ("read", "body"),
+    [(eia, "G00 X5 Y5\nM07\nM50\nG01 X15 F600\n{}M08"), (burny, "X5 Y5\nM4\nM14\nX15 F600\n{}M3\n")],
+)
+def test_height_control_that_a_cut_stops_is_started_again(read: Callable[[str], NcProgram], body: str) -> None:
+    """Else the torch stands at one height over all the rest of a sheet that warps."""
+    on = "M51\n" if read is eia else "M15\n"
+    assert not any("height" in fault.text for fault in read(body.format(on)).faults)
+    (fault,) = (fault for fault in read(body.format("")).faults if "height" in fault.text)
+    line = 6 if read is eia else 8
+    assert fault.text == f"height control, stopped in the cut on line {line}, is not started again after it"
+    before = f"{'M50' if read is eia else 'M14'}\n{body.replace('M50', 'M48').format('')}"
+    assert read is burny or not any("height" in fault.text for fault in read(before).faults)  # none was wanted
+
+
+def test_what_switches_for_a_family_does_not_for_another_control() -> None:
+    """On a Fanuc-like control M8 starts a coolant and M7 another, and M5 puts the torch out."""
+    body = "%\nO1000\nG21\nG90 G17 G40 G94\nG00 X5. Y5.\nM3\nG01 X15. F600.\nM5\n{}M30\n%\n"
+    control = control_for(load_dialect("fanuc"))
+    assert [burn.path.length_mm for burn in read_nc(body.format(""), control=control).burns] == [10.0]
+    for known, other in (("M3", "M7"), ("M3", "M15"), ("M5", "M8"), ("M5", "M16")):
+        with pytest.raises(InputError, match=rf"{other} is not understood, .* name it under also if it is none"):
+            read_nc(body.format("").replace(known + "\n", other + "\n"), control=control)
+    for word in ("M36 T3", "G59 V502 F34", "M19", "M08", "M9"):
+        with pytest.raises(InputError, match=r"not understood|is not supported here"):
+            read_nc(body.format(word + "\n"), control=control)
+    coolant = replace(load_dialect("fanuc"), also=(*load_dialect("fanuc").also, Also("M8")))
+    assert len(read_nc(body.format("M8\n"), control=control_for(coolant)).burns) == 1
 
 
 def test_eia_has_one_torch_burn_alone() -> None:

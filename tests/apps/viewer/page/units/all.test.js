@@ -14,7 +14,7 @@ import { paintNumbers } from "../page_files/numbers.js";
 import { clockOf, reachedText } from "../page_files/planning.js";
 import { joinOf, paintRoute, paintStarts } from "../page_files/route.js";
 import { noticeNear, noticesOf } from "../page_files/notices.js";
-import { notHeld } from "../page_files/unkept.js";
+import { droppedOrders, notHeld } from "../page_files/unkept.js";
 import { setLanguage, tr, trn } from "../page_files/say.js";
 import { inWords } from "../page_files/sentences.js";
 import { found } from "../page_files/search.js";
@@ -189,8 +189,10 @@ test("green stands only over a plan that keeps every hard rule", () => {
 test("what was dropped and is broken therefore is told once", () => {
   const rule = { id: "hull-before", breaches: [], excused: [{ contours: ["A", "B"], text: "A after B", why: "they clash" }] };
   const dropped = [{ rule: "hull-before", contours: ["B", "A"], why: "cycle" }, { rule: "hull-before", contours: ["C", "D"], why: "cycle" }];
-  const told = notHeld({ ...SIDE, rules: [rule], dropped }).map(({ text, why }) => `${text} – ${why}`);
-  assert.deepEqual(told, ["hull-before: A after B – they clash", "hull-before: C before D – cycle"]);
+  const side = { ...SIDE, rules: [rule], dropped };
+  const [unkept, others] = [notHeld, droppedOrders].map(list => list(side).map(({ text, why }) => `${text} – ${why}`));
+  assert.deepEqual(unkept, ["hull-before: A after B – they clash"], "as many as the plan's state counts");
+  assert.deepEqual(others, ["hull-before: C before D – cycle"]);
 });
 
 test("numbers of the drawing never overlap", () => {
