@@ -84,6 +84,10 @@ class Reads:
     longest: int | None = field(
         default=None, metadata=option(Number(10, 252, whole=True), "bytes of the longest line that it takes")
     )
+    modal: bool = field(
+        default=True,
+        metadata=option(Flag(), "whether a motion word holds until another comes: else each move says its"),
+    )
 
 
 @dataclass(frozen=True, slots=True)

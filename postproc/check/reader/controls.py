@@ -180,7 +180,7 @@ class Control:
     alone F counts degrees a minute, or turns (`turns_rpm`).
     `fed_by_chart` says that a program without F words is cut at the feed of the control's cut chart.
     `foreign` are M words of its family that this control does not have, though words of its own mean them. `heights`
-    are the words that stop height control and start it again.
+    are the words that stop height control and start it again. `modal` says that a motion word holds until another one.
     """
 
     title: str
@@ -235,6 +235,7 @@ class Control:
     fed_by_chart: bool = False
     foreign: frozenset[float] = frozenset()
     heights: tuple[float, ...] = ()
+    modal: bool = True
 
     @property
     def has_own_words(self) -> bool:

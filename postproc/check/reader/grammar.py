@@ -246,7 +246,7 @@ class ModalState:
         """The motion that a block makes, None for none; with no motion word, a line or travel as the torch is."""
         if self.control.bare and any(letter in block.words for letter in "XY") and not block.g:
             return 0.0 if self.track.open is None else 1.0
-        return motion_of(block, self.motion, self.control)
+        return motion_of(block, self.motion if self.control.modal else None, self.control)
 
     def modal(self, block: Block) -> float | None:
         """The motion in force from a block on."""

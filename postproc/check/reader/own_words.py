@@ -58,7 +58,7 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
         means = [(_regex(own, named=True), _template(known)) for own, known in reads.means]
         changes["means"] = (*means, *control.means)
         changes |= _of_another_control(dialect, control)
-        changes["title"] = reads.title or control.title
+        changes |= {"title": reads.title or control.title, "modal": reads.modal}
         changes["fixed"] = control.fixed | {_code_number(word, file) for block in reads.fixed for word in block.split()}
         if reads.dwell is not None:
             letter = reads.dwell.letter

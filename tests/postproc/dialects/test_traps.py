@@ -78,6 +78,8 @@ def test_marlin_waits_in_seconds_and_puts_the_beam_out_before_each_travel() -> N
     assert check_program(drawn, text, plant).broken() == ()
     with pytest.raises(InputError, match="P without a word that uses it"):
         check_program(drawn, text.replace("G4 S0.5", "G4 P0.5"), plant)
+    with pytest.raises(InputError, match="X without a word that uses it: expected a motion word"):
+        check_program(drawn, text.replace("\nG1 X", "\nX", 2), plant)  # it goes nowhere by such a line
     late = text.replace("M5\n; HOME\nG0 X0 Y0\n", "; HOME\nG0 X0 Y0\nM5\n")
     assert "torch-off-travel" in check_program(drawn, late, plant).broken()
 
