@@ -52,18 +52,14 @@ class ToolsOn(ABC):
         """Start a tool where the torch stands."""
         if self.on:
             self.track.fault(line, "torch-off-travel", f"tool ${tool} is started while ${self.on[0]} is on")
-        self.expect_height(line)
+        if self.held_from:
+            text = f"tool ${tool} is started without height control, stopped in the cut on line {self.held_from}"
+            self.track.fault(line, "program-state", text)
+            self.held_from = 0
         if tool not in self.on:
             self.on.append(tool)
         if self.track.open is None:
             self.track.begin(tool, line, self.held_s[0] if tool == 0 else self.held_s[1])
-
-    def expect_height(self, line: int) -> None:
-        """Note height control that a cut has stopped, and nothing has started again."""
-        if self.held_from:
-            text = f"height control, stopped in the cut on line {self.held_from}, is not started again after it"
-            self.track.fault(line, "program-state", text)
-            self.held_from = 0
 
     def stop(self, tool: int) -> None:
         """Stop a tool, or all."""
@@ -79,7 +75,6 @@ def finish_program(
     track.close()
     if tools.on:
         track.fault(line, "torch-off-travel", "the program ends with the torch on")
-    tools.expect_height(line)
     if track.torches:
         text = f"the program ends with torch {track.torches[0]} selected: it would burn in the next program, too"
         track.fault(line, "program-state", text)

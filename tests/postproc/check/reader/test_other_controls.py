@@ -116,18 +116,23 @@ def test_eia_marks_by_m07_where_a_process_that_marks_is_selected() -> None:
 
 
 @pytest.mark.parametrize(
-    ("read", "body"),
-    [(eia, "G00 X5 Y5\nM07\nM50\nG01 X15 F600\n{}M08"), (burny, "X5 Y5\nM4\nM14\nX15 F600\n{}M3\n")],
+    ("read", "cut", "words"),
+    [(eia, "M07\n{}G01 X15 F600\n{}M08\n", ("M50", "M51")), (burny, "M4\n{}X15 F600\n{}M3\n", ("M14", "M15"))],
 )
-def test_height_control_that_a_cut_stops_is_started_again(read: Callable[[str], NcProgram], body: str) -> None:
+def test_height_control_that_a_cut_stops_is_started_again(
+    read: Callable[[str], NcProgram], cut: str, words: tuple[str, str]
+) -> None:
     """Else the torch stands at one height over all the rest of a sheet that warps."""
-    on = "M51\n" if read is eia else "M15\n"
-    assert not any("height" in fault.text for fault in read(body.format(on)).faults)
-    (fault,) = (fault for fault in read(body.format("")).faults if "height" in fault.text)
-    line = 6 if read is eia else 8
-    assert fault.text == f"height control, stopped in the cut on line {line}, is not started again after it"
-    before = f"{'M50' if read is eia else 'M14'}\n{body.replace('M50', 'M48').format('')}"
-    assert read is burny or not any("height" in fault.text for fault in read(before).faults)  # none was wanted
+    off, on = (f"{word}\n" for word in words)
+
+    def told(first: str, then: str, before: str = "") -> list[str]:
+        travel = "G00 X5 Y5\n" if read is eia else "X5 Y5\n"
+        return [fault.text for fault in read(before + travel + cut.format(first, then) + cut.format("", "")).faults]
+
+    assert told(off, on) == told(on, "", off) == told("", "", off) == []
+    assert [text.partition(", stopped in")[0] for text in told(off, "")] == [
+        "tool $0 is started without height control"
+    ]
 
 
 def test_what_switches_for_a_family_does_not_for_another_control() -> None:
