@@ -166,7 +166,7 @@ class CommandLimit(JobLimit):
         return going
 
     def without_plan(self) -> SolveOptions:
-        left_s = max(self.limit_s - self.spent_s, LEAST_SHARE * self.limit_s)  # nothing comes after the answer
+        left_s = max(self.limit_s - self.spent_s - ENDED_S, LEAST_SHARE * self.limit_s)  # the answer is told and drawn
         return replace(self._limits, time_s=left_s)
 
     def ended(self, judging_s: float) -> None:

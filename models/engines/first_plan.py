@@ -12,11 +12,7 @@ import numpy as np
 
 from kerfwise.models.engines.tuning import EARLY_LONG as LONG
 from kerfwise.models.problem.conditions import Condition, ConditionRows
-from kerfwise.models.problem.evaluate import broken, route_cost
-from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
-
-from .solution import Incumbent
 
 
 def wants_early(problem: Problem) -> bool:
@@ -25,8 +21,12 @@ def wants_early(problem: Problem) -> bool:
     return any(sum(weight < 0 for weight in c.weights) > LONG for c in hard)
 
 
-def plan_from_its_end(problem: Problem) -> Incumbent | None:
-    """A lawful plan, each contour as near to the one after it as may be; None where it comes to a dead end."""
+def route_from_its_end(problem: Problem) -> tuple[int, ...] | None:
+    """A route, each contour as near to the one after it as may be; None where it comes to a dead end.
+
+    It may break lags and sums within sums, and makes a move that is not lawful where only such are left: a search mends
+    that.
+    """
     n, m = problem.n, problem.m
     sums = _Sums(problem)
     to_come = problem.before.sum(axis=1)  # contours that come after each and have no place yet
@@ -39,7 +39,6 @@ def plan_from_its_end(problem: Problem) -> Incumbent | None:
         if backwards and block_left[block := problem.block[problem.site_contour[last]]]:
             ready &= problem.block == block
         cost = problem.travel(np.arange(m), np.array([last]))[:, 0].astype(np.float64)
-        cost[cost > LAWFUL_MOST] = np.inf
         cost += problem.site_cost + sums.unmet()
         cost[~ready[problem.site_contour]] = np.inf
         last = int(np.argmin(cost))
@@ -51,8 +50,7 @@ def plan_from_its_end(problem: Problem) -> Incumbent | None:
         to_come -= problem.before[:, contour]
         sums.put_last(contour)
         backwards.append(last)
-    route = tuple(reversed(backwards))
-    return None if broken(problem, route) else Incumbent(route, route_cost(problem, route))
+    return tuple(reversed(backwards))
 
 
 # Sums that no order can hold: some contours of which none can come last, or none first.

@@ -62,12 +62,14 @@ def run_portfolio(
     """
     run = Run(problem, options, listener, found)
     lawful = start is not None and not broken(problem, start)
+    if not lawful and first_plan.wants_early(problem):
+        early = first_plan.route_from_its_end(problem)
+        if early is None and show_impossible(run):
+            return run.known
+        start = early or start
+        lawful = start is not None and not broken(problem, start)
     if start is not None and lawful:
         run.offer(Incumbent(start, route_cost(problem, start)), "search")
-    elif first_plan.wants_early(problem):
-        run.offer(first_plan.plan_from_its_end(problem), "search")
-        if run.known.incumbent is None and show_impossible(run):
-            return run.known
     run.near = None if lawful else start
     if earlier is not None:
         run.known.priced, run.known.tables = earlier.priced, earlier.tables

@@ -256,7 +256,7 @@ if TYPE_CHECKING:
     from ortools.sat.python.cp_model import CpModel, IntVar
 
 MOST_CELLS = 200_000
-"""Where the model had more rows, for orders or between contours that sums are about, sums count as possible."""
+"""Where the model had more rows, for orders or between contours that sums are about, it is asked what may come last."""
 
 SumOfOrders = tuple[tuple[tuple[Link, int], ...], int]
 """Orders (before, after), each with a weight above 0, and what the weights of those that are kept come to at least."""
@@ -322,7 +322,44 @@ class SumsRoom(ModelOfOrders[Link]):
         """Whether no order of all things keeps the runs, these orders and one more, and the sums."""
         if self._short([*kept, more]):
             return True
-        return self._small and len(self._pivots) * len(kept) <= MOST_CELLS and self._refuted(kept, [more])
+        if self._small and len(self._pivots) * len(kept) <= MOST_CELLS:
+            return self._refuted(kept, [more])
+        return self._endless([*kept, more])
+
+    def _endless(self, orders: Iterable[Link]) -> bool:
+        """Whether of some things none can come last, by these orders and by what each sum says of a thing of its own.
+
+        Whatever may come last is put there, and the rest is looked at without it: that only helps the others, as long
+        as what would help a sum before its thing still counts for it.
+        """
+        behind: list[int] = [0] * self._n
+        ahead: list[list[int]] = [[] for _ in range(self._n)]
+        for before, after in self._of_runs(orders):
+            behind[before] += 1
+            ahead[after].append(before)
+        room: dict[int, list[int]] = {}  # of each thing, what its sums have left to lose while all else comes before it
+        losing: list[list[tuple[int, int, int]]] = [[] for _ in range(self._n)]
+        for terms, bound in self._sums:
+            for own in set.intersection(*(set(link) for link, _ in terms)):
+                gained = [(before, weight) for (before, after), weight in terms if after == own]
+                lost = [(after, weight) for (before, after), weight in terms if before == own]
+                room.setdefault(own, []).append(sum(weight for _, weight in gained) - bound)
+                for other, weight in lost:
+                    losing[other].append((own, len(room[own]) - 1, weight))
+        left = set(range(self._n))
+        ready = [k for k in left if not behind[k] and min(room.get(k, [0])) >= 0]
+        while ready:
+            last = ready.pop()
+            if last not in left:
+                continue
+            left.remove(last)
+            for before in ahead[last]:
+                behind[before] -= 1
+            for own, number, weight in losing[last]:
+                room[own][number] += weight
+            near = [*ahead[last], *(own for own, _, _ in losing[last])]
+            ready += [k for k in dict.fromkeys(near) if k in left and not behind[k] and min(room.get(k, [0])) >= 0]
+        return bool(left)
 
     def _of_runs(self, orders: Iterable[Link]) -> list[Link]:
         """The orders, those into and out of a run asked of all that is in it."""

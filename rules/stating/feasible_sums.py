@@ -12,6 +12,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import permutations
 
+import numpy as np
+
 from kerfwise.encoder.graphs import Link
 from kerfwise.rules.statements import AtLeast, Before, Statement, by_kind
 
@@ -46,7 +48,10 @@ def links_to_drop_for_sums(
     if not sums or _likely_held(n, links, runs, sums):
         return [], True
     solved = _lightest(n, links, weights, runs, sums)
-    return None if solved is None or solved.out is None else (solved.out, solved.shown)
+    if solved is None:
+        out = _lighter(n, links, weights, runs, sums)
+        return None if out is None else (out, False)
+    return None if solved.out is None else (solved.out, solved.shown)
 
 
 def shown_impossible(n: int, links: Sequence[Link], runs: Sequence[Sequence[int]], sums: Sequence[AtLeast]) -> bool:
@@ -62,7 +67,9 @@ def shown_impossible(n: int, links: Sequence[Link], runs: Sequence[Sequence[int]
     if not sums or _likely_held(n, links, runs, sums):
         return False
     solved = _lightest(n, links, [None] * len(links), runs, sums)
-    return solved is not None and solved.out is None and solved.shown
+    if solved is None:
+        return _none_can_be_last(n, links, sums)
+    return solved.out is None and solved.shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,13 +82,7 @@ class _Solved:
 
 def _likely_held(n: int, links: Sequence[Link], runs: Sequence[Sequence[int]], sums: Sequence[AtLeast]) -> bool:
     """Whether an order was found that keeps everything: what sums want soon is cut as soon as the links let it."""
-    soon: Counter[int] = Counter()
-    for s in sums:
-        for x, weight in zip(s.literals, s.weights, strict=True):
-            if isinstance(x, Before):
-                soon[x.i] += weight
-                soon[x.j] -= weight
-    place = order_in_runs(n, links, runs, {}, {k: 0 for k, of in soon.items() if of > 0})
+    place = order_in_runs(n, links, runs, {}, dict.fromkeys(_wanted_soon(sums), 0))
     if place is None:
         return False
     spans = [[place[contour] for contour in run] for run in runs]
@@ -92,6 +93,99 @@ def _likely_held(n: int, links: Sequence[Link], runs: Sequence[Sequence[int]], s
         >= s.bound
         for s in sums
     )
+
+
+def _wanted_soon(sums: Sequence[AtLeast]) -> list[int]:
+    """The contours that sums want before others, all in all."""
+    soon: Counter[int] = Counter()
+    for s in sums:
+        for x, weight in zip(s.literals, s.weights, strict=True):
+            if isinstance(x, Before):
+                soon[x.i] += weight
+                soon[x.j] -= weight
+    return [k for k, of in soon.items() if of > 0]
+
+
+# Where the integer program would be too large.
+
+MOST_LOOKS = 60
+"""How often an order is looked for to put links back."""
+
+
+def _lighter(
+    n: int, links: Sequence[Link], weights: Sequence[int | None], runs: Sequence[Sequence[int]], sums: Sequence[AtLeast]
+) -> list[int] | None:
+    """Links to drop, not shown to be the fewest; None where no order was found without them.
+
+    They lead to what is wanted soon, or must come before that, from what is neither. Those are put back, half of them
+    at a time at first, without which an order is still found.
+    """
+    into: dict[int, set[int]] = {k: set() for k in range(n)}
+    for (first, then), weight in zip(links, weights, strict=True):
+        if weight is None:
+            into[then].add(first)
+    for run in runs:
+        for k in run:
+            into[k].update(run)
+    wanted, waiting = set[int](), _wanted_soon(sums)
+    while waiting:
+        if (contour := waiting.pop()) not in wanted:
+            wanted.add(contour)
+            waiting += into[contour]
+
+    def held(without: Sequence[int]) -> bool:
+        gone = set(without)
+        return _likely_held(n, [link for k, link in enumerate(links) if k not in gone], runs, sums)
+
+    out = [k for k, (i, j) in enumerate(links) if weights[k] is not None and j in wanted and i not in wanted]
+    if not held(out):
+        return None
+    size, looks = -(-len(out) // 2), 0
+    while size and looks < MOST_LOOKS:
+        for k in range(0, len(out), size)[::-1]:
+            looks += 1
+            if held(fewer := out[:k] + out[k + size :]):
+                out = fewer
+        size //= 2
+    for k in tuple(out):  # the check wants it shown of each
+        kept = [link for number, link in enumerate(links) if number == k or number not in out]
+        if not _none_can_be_last(n, kept, sums) and held([number for number in out if number != k]):
+            out.remove(k)
+    return out
+
+
+def _none_can_be_last(n: int, links: Sequence[Link], sums: Sequence[AtLeast]) -> bool:
+    """Whether of some contours none can come last, by links and by sums whose orders are all about one contour."""
+    ends = np.array(links, dtype=np.int64).reshape(-1, 2)
+    alone = [(k, s) for s in sums for k in _common(s)]
+    terms = [
+        (number, x.j if x.i == k else x.i, -weight if x.i == k else weight)
+        for number, (k, s) in enumerate(alone)
+        for x, weight in zip(s.literals, s.weights, strict=True)
+        if isinstance(x, Before)
+    ]
+    row, member, weight = np.array(terms, dtype=np.int64).reshape(-1, 3).T
+    of = np.array([k for k, _ in alone], dtype=np.int64)
+    bound = np.array([s.bound for _, s in alone], dtype=np.int64)
+    for number, (k, s) in enumerate(alone):  # that it is before another is that the other is not before it
+        bound[number] -= sum(
+            w for x, w in zip(s.literals, s.weights, strict=True) if isinstance(x, Before) and x.i == k
+        )
+    left = np.ones(n, dtype=np.bool_)
+    while left.any():
+        leaves = left.copy()
+        leaves[ends[left[ends].all(axis=1), 0]] = False
+        value = np.bincount(row, np.where(left[member], weight, np.maximum(weight, 0)), len(of))
+        leaves[of[value < bound]] = False
+        if not leaves.any():
+            return True
+        left &= ~leaves
+    return False
+
+
+def _common(s: AtLeast) -> set[int]:
+    """The contours that all orders of a sum are about: one, none, or both of a single order."""
+    return set.intersection(*({x.i, x.j} for x in s.literals if isinstance(x, Before)))
 
 
 def _pivots(sums: Sequence[AtLeast]) -> list[int]:

@@ -102,6 +102,13 @@ def test_the_planning_keeps_its_least_share(clock: Wound) -> None:
     assert limit.without_plan().time_s == LEAST_SHARE * 10.0
 
 
+def test_what_contradicts_what_leaves_time_to_tell_it(clock: Wound) -> None:
+    """It took all that was left, and the picture of it came after the limit."""
+    limit = limit_of(10.0, clock)
+    clock.now_s += 2.0
+    assert limit.without_plan().time_s == pytest.approx(8.0 - ENDED_S)
+
+
 def test_a_limit_that_cannot_hold_is_told_before_the_planning(clock: Wound) -> None:
     limit, told = limit_of(10.0, clock), list[str]()
     limit.begin(SolveOptions(seed=3), told.append)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import permutations, product
 
 import numpy as np
 import pytest
 
-from kerfwise.models.engines.first_plan import impossible, plan_from_its_end, wants_early
+from kerfwise.models.engines.first_plan import impossible, route_from_its_end, wants_early
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.problem.conditions import Condition
-from kerfwise.models.problem.evaluate import broken, route_cost
+from kerfwise.models.problem.evaluate import broken
 from kerfwise.models.problem.problem import Problem
+from kerfwise.rules.statements import Lag
 from kerfwise.tests.models.problems import ABOUT, problem
 
 
@@ -33,12 +35,21 @@ def with_deadlines(seed: int, n: int) -> Problem:
 @pytest.mark.parametrize("seed", range(30))
 def test_there_is_a_plan_from_the_end_where_there_is_one_at_all(seed: int) -> None:
     drawn = with_deadlines(seed, 6)
-    found = plan_from_its_end(drawn)
+    found = route_from_its_end(drawn)
     lawful = any(not broken(drawn, order) for order in permutations(range(6)))
     assert (found is not None) == lawful
     if found is not None:
-        assert not broken(drawn, found.route)
-        assert found.cost == route_cost(drawn, found.route)
+        assert not broken(drawn, found)
+
+
+def test_a_route_that_breaks_a_lag_is_one_to_go_on_from() -> None:
+    """There was none, and the search began from nothing."""
+    drawn = with_deadlines(1, 6)
+    found = route_from_its_end(drawn)
+    assert found is not None
+    near = replace(drawn, lags=(Lag(found[0], found[1], ABOUT, cuts=2),))
+    assert route_from_its_end(near) == found
+    assert broken(near, found)
 
 
 def test_it_is_tried_where_long_sums_want_contours_early() -> None:
@@ -80,7 +91,7 @@ def test_what_is_shown_to_be_impossible_has_no_plan_and_much_of_that_is_shown() 
 @pytest.mark.parametrize("seed", range(30))
 def test_deadlines_that_cannot_be_kept_are_shown_to_be_such(seed: int) -> None:
     drawn = with_deadlines(seed, 6)
-    assert bool(impossible(drawn)) == (plan_from_its_end(drawn) is None)
+    assert bool(impossible(drawn)) == (route_from_its_end(drawn) is None)
 
 
 def test_the_portfolio_says_that_no_plan_keeps_a_sum() -> None:
