@@ -63,7 +63,7 @@ def gouges(
     half_mm, allowed_mm = kerf_mm / 2, tolerance_mm(kerf_mm) + SLACK_MM
     burns = [_Burn(run, run.loop, False) for run in runs if not run.marks]
     burns += [_Burn(run, lead, True) for run in runs if not run.marks for lead in run.leads]
-    if kerf_mm <= 0 or not burns or not nest.parts:
+    if kerf_mm <= 0 or not nest.parts:
         return Gouges((), ())
     metal = metal_of_parts(nest)
     burns = _not_clear(nest, burns, kerf_mm)
