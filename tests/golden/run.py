@@ -271,4 +271,5 @@ def _scrubbed(text: str, folder: Path) -> list[str]:
         text = text.replace(str(path), by)
     text = re.sub(r"\b[0-9a-f]{12,64}\b|\b[0-9A-F]{12,64}\b", "#", text.replace(kerfwise.__version__, "VERSION"))
     text = re.sub(r"\b\d+(\.\d+)?( s of (computing|work)| s by the clock)", r"…\2", text)
+    text = re.sub(r" +\d+\.\d+ s(,? +)(at most )?\d+ MB", r" … s\1\2… MB", text)  # a run of a benchmark
     return [line.rstrip() for line in text.splitlines() if line.strip() and not NOT_SAID.search(line)]
