@@ -9,8 +9,8 @@ from kerfwise.arrays import Ints
 from kerfwise.models.engines.search.moves.exchanges import swap_towards, three_opt
 from kerfwise.models.engines.search.moves.insertion import choose_sites, nearest_first, refresh_sites
 from kerfwise.models.engines.search.moves.ruin_recreate import recreate, ruin
+from kerfwise.models.engines.search.state.chains import chains_made
 from kerfwise.models.engines.search.state.conditions import (
-    chains_made,
     lean_on_sites,
     literals_unmet,
     pieces_begun,

@@ -13,13 +13,12 @@ from kerfwise.models.engines.tuning import ROUTE_STATE_NEAR as NEAR
 from kerfwise.models.problem.precedence import known_immediate_pairs
 from kerfwise.models.problem.problem import Problem
 
+from .chains import Chains, make_chains
 from .conditions import (
-    Chains,
     Demands,
     Groups,
     Lags,
     Literals,
-    make_chains,
     make_demands,
     make_groups,
     make_lags,

@@ -7,7 +7,8 @@ import pytest
 
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
 from kerfwise.models.engines.search.state import travel
-from kerfwise.models.engines.search.state.conditions import chains_made, literals_unmet, make_chains, make_literals
+from kerfwise.models.engines.search.state.chains import chains_made, make_chains
+from kerfwise.models.engines.search.state.conditions import literals_unmet, make_literals
 from kerfwise.models.engines.search.state.route_state import TablesOf, make_tables
 from kerfwise.models.jit import plain
 from kerfwise.models.problem import moves
