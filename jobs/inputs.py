@@ -360,13 +360,8 @@ def fewer_than_wanted(inputs: Inputs) -> str:
         for k, count in wanted.items()
         if count > (there := cut[alike[k]] * sheets)
     ]
-    if not rows:
-        return ""
-    named = join_names(rows, MOST_NAMED)
-    return (
-        f"more parts are wanted than are cut: {named}; a plan cuts what the nest holds: `kerfwise nest` lays more, and "
-        "quantity in the job file says how many sheets are cut"
-    )
+    text = "a plan cuts what the nest holds: `kerfwise nest` lays more, and quantity in the job file counts sheets"
+    return f"more parts are wanted than are cut: {join_names(rows, MOST_NAMED)}; {text}" if rows else ""
 
 
 def attribute_text(part: Part, key: str) -> str:

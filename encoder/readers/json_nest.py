@@ -326,12 +326,12 @@ def _not_read(document: Mapping[str, Any]) -> list[Note]:
     notes, moved = [], dict[str, int]()
     for _, kind, value in _objects(document):
         for key in value.keys() - set(KEYS[kind]) if kind == "parts" else value:
-            if kind == "parts" and (key.lower() in _MOVES or _holds_shapes(value[key])):
-                moved[key] = moved.get(key, 0) + 1
-            elif kind != "parts" and key not in KEYS[kind]:
+            if kind == "parts":
+                shapes = isinstance(value[key], list) and any(isinstance(one, dict | list) for one in value[key])
+                moved[key] = moved.get(key, 0) + (shapes or key.lower() in _MOVES)
+            elif key not in KEYS[kind]:
                 notes.append(Note("warning", f"nothing reads the key '{key}' of {'the sheet' if kind else 'the file'}"))
-    if moved:
-        keys = ", ".join(f"'{key}' ({count})" for key, count in sorted(moved.items()))
+    if keys := ", ".join(f"'{key}' ({count})" for key, count in sorted(moved.items()) if count):
         told = f"of parts, {keys} are attributes for rules alone: vertices say what is cut and where"
         notes.append(Note("warning", f"{told}, quantity how many are wanted"))
     return notes
@@ -364,11 +364,6 @@ _MOVES = frozenset(
     ]
 )
 """Keys by which other programs say where a part lies, how large it is, and how many are wanted."""
-
-
-def _holds_shapes(value: object) -> bool:
-    """Whether a value is a list of objects or of lists, such as circles."""
-    return isinstance(value, list) and any(isinstance(one, dict | list) for one in value)
 
 
 def _refusal(found: list[tuple[list[str | int], str]], text: str, ids: list[object]) -> InputError:

@@ -212,8 +212,7 @@ class Machine:
                 else:
                     self.own_line = line
                 row = without(row, found)
-        if control.foreign:
-            self._expect_own(row, line)
+        self._expect_own(row, line)
         for own, known in control.means:
             for found in reversed(list(own.finditer(row.code))):
                 row = without(row, found, known.format(**found.groupdict()))
@@ -222,15 +221,13 @@ class Machine:
 
     def _expect_own(self, row: Row, line: int) -> None:
         """Refuse a word that the control's family has, and the control itself has not, or for something else."""
-        rest = row.code
+        rest = row.code if self.control.foreign else ""
         for own, _ in self.control.means:
             rest = own.sub(" ", rest)
-        for found in _M_WORD.finditer(rest):
-            if float(found[1]) in self.control.foreign:
-                text = f"{found[0]} is not understood, and not supported here, in a program for {self.control.title}"
-                why = "its dialect has other words for what switches (reads.means); name it under also if it is none"
-                column = row.columns[row.code.index(found[0])]
-                raise InputError(f"{text}: {why}", line=line, column=column)
+        for found in (one for one in _M_WORD.finditer(rest) if float(one[1]) in self.control.foreign):
+            text = f"{found[0]} is not understood, and not supported here, in a program for {self.control.title}"
+            why = "its dialect has other words for what switches (reads.means); name it under also if it is none"
+            raise InputError(f"{text}: {why}", line=line, column=row.columns[row.code.index(found[0])])
 
     def _expect_there(self, also: Declared, row: Row, at: int, line: int) -> None:
         """Refuse a word where it may not stand."""
