@@ -245,13 +245,15 @@ def with_item(text: str, key: str, value: str) -> str:
       - P2 last
     quantity: 2
     >>> with_item("{locks: [P1 first]}\\n", "locks", "P2 last"), with_item("", "locks", "P2 last")
-    ('{locks: [P1 first, P2 last]}\\n', 'locks: [P2 last]\\n')
+    ('{locks: [P1 first, P2 last]}\\n', 'locks:\\n  - P2 last\\n')
     """
     root = compose(text, "")
     node = root if root is None else deepest(root, key)
     rows = node.value if isinstance(node, yaml.SequenceNode) else []
     if node is root or not isinstance(node, yaml.SequenceNode) or not rows:
-        return with_value(text, [key], f"[{value}]")
+        if isinstance(root, yaml.MappingNode) and root.flow_style:
+            return with_value(text, [key], f"[{value}]")
+        return with_value(text, [key], f"\n  - {value}").replace(f"{_key(key)}: \n", f"{_key(key)}:\n", 1)
     ends = _end(rows[-1])
     if node.flow_style:
         return f"{text[:ends]}, {value}{text[ends:]}"

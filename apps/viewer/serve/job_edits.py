@@ -112,7 +112,8 @@ class JobText:
     >>> print(text.text, end="")
     quantity: 4  # sheets
     <BLANKLINE>
-    locks: [P2 first]
+    locks:
+      - P2 first
     <BLANKLINE>
     set:
       leads.lead_in: 4 mm

@@ -147,11 +147,12 @@ def test_all_but_the_value_stays(name: str, path: tuple[str, ...], value: str) -
 @pytest.mark.parametrize(
     ("text", "made"),
     [
-        ("", "s: [9]\n"),
-        ("# only words\n", "# only words\ns: [9]\n"),
-        ("t: 1\n", "t: 1\n\ns: [9]\n"),
-        ("s:\nt: 1\n", "s: [9]\nt: 1\n"),
-        ("s: []  # none\n", "s: [9]  # none\n"),
+        ("", "s:\n  - 9\n"),
+        ("# only words\n", "# only words\ns:\n  - 9\n"),
+        ("t: 1\n", "t: 1\n\ns:\n  - 9\n"),
+        ("s:\nt: 1\n", "s:\n  - 9\nt: 1\n"),
+        ("s: []  # none\n", "s:\n  - 9  # none\n"),
+        ("{t: 1}\n", "{s: [9], t: 1}\n"),
         ("s: [1, 2]  # two\n", "s: [1, 2, 9]  # two\n"),
         ("s:\n- 1  # one\n- {a: 2}  # two\n# then\nt: 3\n", "s:\n- 1  # one\n- {a: 2}  # two\n- 9\n# then\nt: 3\n"),
         ("s:\n    -   1", "s:\n    -   1\n    - 9"),
