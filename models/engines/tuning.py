@@ -115,6 +115,10 @@ BACKWARD_DEARER, BACKWARD_LITTLE = 3.0, 0.15
 one may take that settles ways in which cost still more."""
 BACKWARD_MOST_NEIGHBOURS = 3  # What a walk remembers at the most.
 
+# ideals/by_arrays.py
+
+SWEPT_AT_ONCE = 1 << 18  # Additions of whole arrays that are done together: what they take fits in a cache.
+
 # ideals/lattice.py
 
 A_SHARE = 3e7  # Additions that a thread does at a time, at the least.

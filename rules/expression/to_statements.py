@@ -401,6 +401,7 @@ def clauses(node: Node) -> list[Node]:
 
     Examples
     --------
+    >>> from kerfwise.rules.expression.node import all_of
     >>> a, b, c, d = order(0, 1), order(1, 2), order(2, 3), order(3, 4)
     >>> len(clauses(any_of([all_of([a, b]), all_of([c, d])])))
     4
@@ -435,6 +436,7 @@ def merged(node: Node) -> Node:
 
     Examples
     --------
+    >>> from kerfwise.rules.expression.node import all_of
     >>> a, b, c = order(0, 1), order(1, 2), order(2, 3)
     >>> sorted(weight for _, weight in merged(any_of([a, all_of([b, c])])).terms)
     [1, 1, 2]

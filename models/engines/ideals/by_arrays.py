@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from kerfwise.arrays import Bools, Floats, Int16s, Int32s, Ints, concat_ranges
+from kerfwise.models.engines.tuning import SWEPT_AT_ONCE
 from kerfwise.models.problem.bitsets import Masks, bits_of
 
 from .kernels import Arranged, Costs, LayerFrom, LayerTo, Room, Steps
 from .stretch import HARD, RestBound, StepTerms
-
-AT_ONCE = 1 << 18
-"""Additions that are done together: what they take fits in a cache."""
 
 
 def arrange_by_arrays(
@@ -74,7 +72,7 @@ class _States:
         crossed = self._crossed(rows, columns)
         some = np.flatnonzero(count)
         ends = np.cumsum(count[some])
-        cuts = np.searchsorted(ends, np.arange(AT_ONCE // size, int(count.sum()), AT_ONCE // size))
+        cuts = np.searchsorted(ends, np.arange(SWEPT_AT_ONCE // size, int(count.sum()), SWEPT_AT_ONCE // size))
         for part in np.split(some, cuts):
             if not len(part):
                 continue

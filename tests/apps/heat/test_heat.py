@@ -59,7 +59,7 @@ def test_a_program_for_another_control_is_not_guessed_at(made: Path) -> None:
 
 @pytest.mark.slow
 def test_map_and_frames(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("kerfwise.commands.results.FRAMES", 4)
+    monkeypatch.setattr("kerfwise.apps.heat.verbs.FRAMES", 4)
     done = kerfwise("heat", NEST, made / "e.json", "-o", tmp_path / "map.png", "--frames", tmp_path / "frames")
     assert done.code == 0, done.err
     assert (tmp_path / "map.png").read_bytes().startswith(PNG)

@@ -84,7 +84,7 @@ def test_whatever_a_problem_holds_layers_are_the_same(drawn: Problem) -> None:
 
 
 def test_in_blocks_and_with_a_known_plan_they_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(by_arrays, "AT_ONCE", 7)
+    monkeypatch.setattr(by_arrays, "SWEPT_AT_ONCE", 7)
     problem = scattered(3, 10, 3, pairs=6, blocks=[(2, 3, 4), (7, 8)])
     best = _judged(problem)
     assert best is not None
