@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
-from functools import cache
-from pathlib import Path
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, Self, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,41 +89,17 @@ def concat_ranges(first: Ints, count: Ints) -> Ints:
     return np.repeat(first - before, count) + np.arange(int(count.sum()))
 
 
-# Trees of points. All of scipy.spatial takes three times as long to load: linear algebra, special functions, rotations.
-
-
 def point_tree(points: Floats, leafsize: int = 16) -> cKDTree:
-    """A k-d tree of points (k, d).
+    """A k-d tree of points (k, d); scipy.spatial is loaded with the first one, as most runs need none.
 
     Examples
     --------
     >>> point_tree(np.array([[0.0, 0.0], [3.0, 4.0]])).query([[3.0, 5.0]])[1].tolist()
     [1]
     """
-    return cast("cKDTree", _tree_class()(points, leafsize))
-
-
-@cache
-def _tree_class() -> Any:
-    """The class of such trees, from the one module that has it, where the package is not loaded yet."""
-    name = "scipy.spatial"
-    if name not in sys.modules:
-        import scipy
-
-        package = ModuleType(name)
-        package.__path__ = [str(Path(scipy.__file__).with_name("spatial"))]
-        sys.modules[name] = package
-        try:
-            from scipy.spatial import _ckdtree
-
-            return _ckdtree.cKDTree
-        except (ImportError, AttributeError):  # another scipy has it elsewhere
-            pass
-        finally:
-            del sys.modules[name]
     from scipy.spatial import cKDTree
 
-    return cKDTree
+    return cKDTree(points, leafsize)
 
 
 # Two steps that share nothing they write, side by side: most of both is done by a library that lets Python go on.
