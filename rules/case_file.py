@@ -48,7 +48,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.violation import Violation
-from kerfwise.rules.options.kind import Choice, Number, OptionKind, Unfit
+from kerfwise.rules.options.kind import Choice, Number
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.quantities import DURATION
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, deepest, entries, items, plain, shape
@@ -201,7 +201,7 @@ def _options(node: yaml.Node | None, rule: Rule[Any], problems: Problems, what: 
     taken = {f.name: f.default for f in dataclasses.fields(options) if f.name not in names}
     for key, key_node, value in entries(node, problems, what):
         if key in known:
-            given[known[key].name] = _value(value, known[key].kind, problems, f"{what}.{key}")
+            given[known[key].name] = known[key].kind.read_or_note(value, problems, f"{what}.{key}")
         elif key == "locks" and key in taken:
             given[key] = tuple(_lock(one, problems, f"{what}.{key}") for one in items(value, problems, what))
         elif key in taken:
@@ -229,17 +229,8 @@ def _lock(node: yaml.Node, problems: Problems, what: str) -> Lock:
         elif key == "place":
             problems.add(value, f"{what}: expected a place, such as plant.yaml:7:5, got {shape(value)}")
         else:
-            given[known[key].name] = _value(value, known[key].kind, problems, f"{what}.{key}")
+            given[known[key].name] = known[key].kind.read_or_note(value, problems, f"{what}.{key}")
     return Lock(**given)
-
-
-def _value(node: yaml.Node, kind: OptionKind, problems: Problems, what: str) -> Any:
-    """The value of a node; None with a problem noted."""
-    try:
-        return kind.read(node)
-    except Unfit as error:
-        problems.add(error.node or node, f"{what}: {error}")
-        return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,10 +250,10 @@ def _beside(nodes: Mapping[str, yaml.Node], drawn: Nest, problems: Problems, wha
         return reader(nodes[key], f"{what}.{key}") if key in nodes else None
 
     return _Beside(
-        read("start_side", lambda node, at: _value(node, Choice(SIDES), problems, at)),
+        read("start_side", lambda node, at: Choice(SIDES).read_or_note(node, problems, at)),
         read("zones", lambda node, at: _zones(node, drawn, problems, at)) or {},
         read("home", lambda node, at: numbers_of(node, problems, at, 2)) or (0.0, 0.0),
-        read("pause", lambda node, at: _value(node, DURATION, problems, at)) or 0.0,
+        read("pause", lambda node, at: DURATION.read_or_note(node, problems, at)) or 0.0,
         nodes.get("times"),
         read("hot_spots", lambda node, at: _hot_spots(node, problems, at)),
     )
@@ -285,7 +276,7 @@ def _zones(node: yaml.Node, drawn: Nest, problems: Problems, what: str) -> dict[
         if part_id not in drawn.part_of:
             problems.add(key, f"{what}: {unknown('part', part_id, drawn.part_of)}")
         else:
-            zones[part_id] = _value(value, Number(1, whole=True), problems, f"{what}.{part_id}") or 0
+            zones[part_id] = Number(1, whole=True).read_or_note(value, problems, f"{what}.{part_id}") or 0
     return zones
 
 

@@ -12,7 +12,7 @@ import yaml
 from kerfwise.encoder.nearest_name import nearest
 from kerfwise.encoder.questions import answer_problem
 
-from .yaml_positions import is_empty, shape
+from .yaml_positions import Problems, is_empty, shape
 
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,2})?"
 MOST = 1e9
@@ -38,6 +38,14 @@ class OptionKind(ABC):
     @abstractmethod
     def read(self, node: yaml.Node) -> object:
         """The value of a YAML node, in the program's own units; raises `Unfit`."""
+
+    def read_or_note(self, node: yaml.Node, problems: Problems, what: str) -> Any:
+        """The same; None with a problem noted where the value does not fit."""
+        try:
+            return self.read(node)
+        except Unfit as error:
+            problems.add(error.node or node, f"{what}: {error}")
+            return None
 
     @abstractmethod
     def write(self, value: Any) -> str:

@@ -231,7 +231,7 @@ def profile_values(
         values |= _base(found["based_on"], problems, load_base) | {"name": start["name"]}
     measured_mm_s, start_mm = values["machine"].cut_feed_mm_s, values["material"].thickness_mm
     if "name" in found:
-        values["name"] = escape_text(_read(found["name"], Text(), problems, "name") or "")
+        values["name"] = escape_text(Text().read_or_note(found["name"], problems, "name") or "")
     for section in SECTIONS:
         if section in found:
             members = with_new_names(section, list(entries(found[section], problems, section)), problems)
@@ -305,7 +305,7 @@ def _places(found: Mapping[str, yaml.Node], file: str) -> dict[str, str]:
 
 
 def _base(node: yaml.Node, problems: Problems, load_base: Callable[[str], ProfileValues]) -> ProfileValues:
-    name = _read(node, Text(), problems, "based_on")
+    name = Text().read_or_note(node, problems, "based_on")
     if name is None:
         return {}
     try:
@@ -316,15 +316,6 @@ def _base(node: yaml.Node, problems: Problems, load_base: Callable[[str], Profil
         else:
             problems.add(node, f"based_on: {error}")
         return {}
-
-
-def _read(node: yaml.Node, kind: Any, problems: Problems, what: str) -> Any:
-    """The value of a node, or None with a problem noted."""
-    try:
-        return kind.read(node)
-    except Unfit as error:
-        problems.add(error.node or node, f"{what}: {error}")
-        return None
 
 
 def read_fields(
@@ -378,15 +369,15 @@ def read_rules(
 def _read_rule(node: yaml.Node, rule: Rule[Any], base: RuleSetting, problems: Problems) -> RuleSetting:
     what = f"rules.{rule.id}"
     if not isinstance(node, yaml.MappingNode):
-        strength = _read(node, Choice(rule.strengths), problems, what) or base.strength
+        strength = Choice(rule.strengths).read_or_note(node, problems, what) or base.strength
         return RuleSetting(strength, _weight(rule, strength, base.weight), base.options)
     members = list(entries(node, problems, what))
     values = {key: value for key, _, value in members if key in ("strength", "weight")}
     strength, weight = base.strength, base.weight
     if "strength" in values:
-        strength = _read(values["strength"], Choice(rule.strengths), problems, f"{what}.strength") or strength
+        strength = Choice(rule.strengths).read_or_note(values["strength"], problems, f"{what}.strength") or strength
     if "weight" in values:
-        weight = _read(values["weight"], WEIGHT, problems, f"{what}.weight")
+        weight = WEIGHT.read_or_note(values["weight"], problems, f"{what}.weight")
         if strength != "soft":
             problems.add(values["weight"], f"{what}.weight: only a soft rule has a weight, this one is {strength}")
     if not members and strength == "off":
