@@ -13,7 +13,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import PointOrOff, PointXY
 from kerfwise.rules.options.yaml_positions import Place, wrong_at
 
@@ -47,26 +47,19 @@ class Lock:
     `place` is where the profile says so, `reason` why it is locked, for one that stands in no profile.
     """
 
-    contour: str | None = field(default=None, metadata=option(Text(), "id of the contour that is locked"))
-    part: str | None = field(default=None, metadata=option(Text(), "id of the part that is locked (to a zone)"))
-    before: str | None = field(default=None, metadata=option(Text(), "id of a contour that is cut later"))
-    position: int | Literal["first", "last"] | None = field(
-        default=None,
-        metadata=option(
-            Position(), "place in the order of all contours, marks included: first, last or a number from 1"
-        ),
+    contour: str | None = setting(None, Text(), "id of the contour that is locked")
+    part: str | None = setting(None, Text(), "id of the part that is locked (to a zone)")
+    before: str | None = setting(None, Text(), "id of a contour that is cut later")
+    position: int | Literal["first", "last"] | None = setting(
+        None, Position(), "place in the order of all contours, marks included: first, last or a number from 1"
     )
-    entry: Point | None = field(default=None, metadata=option(PointXY(), "where the torch joins the contour"))
-    direction: Direction | None = field(
-        default=None, metadata=option(Choice(("cw", "ccw")), "which way round it is cut")
+    entry: Point | None = setting(None, PointXY(), "where the torch joins the contour")
+    direction: Direction | None = setting(None, Choice(("cw", "ccw")), "which way round it is cut")
+    linked: bool | None = setting(
+        None, Flag(), "false: the torch goes off before it, whatever links the profile allows"
     )
-    linked: bool | None = field(
-        default=None, metadata=option(Flag(), "false: the torch goes off before it, whatever links the profile allows")
-    )
-    tab: Point | Literal["off"] | None = field(
-        default=None, metadata=option(PointOrOff(), "where a tab holds the part, or off: it has none")
-    )
-    zone: int | None = field(default=None, metadata=option(Number(1, whole=True), "zone of the part"))
+    tab: Point | Literal["off"] | None = setting(None, PointOrOff(), "where a tab holds the part, or off: it has none")
+    zone: int | None = setting(None, Number(1, whole=True), "zone of the part")
     place: Place | None = field(default=None, compare=False)
     reason: str = field(default="", compare=False)
 

@@ -6,7 +6,7 @@ import datetime
 import json
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.jobs.nest_job.job import Day, value_schema
 from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text
-from kerfwise.rules.options.option import option, options_of
+from kerfwise.rules.options.option import options_of, setting
 from kerfwise.rules.options.quantities import LENGTH, positive
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, items
 from kerfwise.rules.profile.load import read_fields
@@ -295,26 +295,22 @@ MOST = 100_000
 class PartRow:
     """A file of parts, and how often each part in it is wanted."""
 
-    part: str = field(default="", metadata=option(Text(), "file of the part: DXF, SVG or JSON, from the list's folder"))
-    quantity: int | None = field(
-        default=None,
-        metadata=option(Number(1, MOST, whole=True), "how many are wanted, else what its drawing says, or 1"),
+    part: str = setting("", Text(), "file of the part: DXF, SVG or JSON, from the list's folder")
+    quantity: int | None = setting(
+        None, Number(1, MOST, whole=True), "how many are wanted, else what its drawing says, or 1"
     )
-    priority: int = field(
-        default=1, metadata=option(Number(1, 50, whole=True), "parts of lower numbers are placed first")
+    priority: int = setting(1, Number(1, 50, whole=True), "parts of lower numbers are placed first")
+    order: str = setting("", Text(), "the order that it is for")
+    rotations: tuple[float, ...] = setting(QUARTERS, Turns(), "how it may be turned")
+    grain: Grain | None = setting(
+        None, Choice(("none", *GRAINS), none="none"), "how its x axis lies to the sheet's, because of grain"
     )
-    order: str = field(default="", metadata=option(Text(), "the order that it is for"))
-    rotations: tuple[float, ...] = field(default=QUARTERS, metadata=option(Turns(), "how it may be turned"))
-    grain: Grain | None = field(
-        default=None,
-        metadata=option(Choice(("none", *GRAINS), none="none"), "how its x axis lies to the sheet's, because of grain"),
+    mirror: bool = setting(False, Flag(), "whether it may be turned over")
+    material: str = setting("", Text(), "grade of its sheet, where the list is for several")
+    thickness_mm: float | None = setting(
+        None, positive(LENGTH), "thickness of its sheet, where the list is for several"
     )
-    mirror: bool = field(default=False, metadata=option(Flag(), "whether it may be turned over"))
-    material: str = field(default="", metadata=option(Text(), "grade of its sheet, where the list is for several"))
-    thickness_mm: float | None = field(
-        default=None, metadata=option(positive(LENGTH), "thickness of its sheet, where the list is for several")
-    )
-    due: datetime.date | None = field(default=None, metadata=option(Day(), "day on which it has to be ready"))
+    due: datetime.date | None = setting(None, Day(), "day on which it has to be ready")
     place: Place | None = None
 
 
@@ -322,15 +318,13 @@ class PartRow:
 class SheetRow:
     """A sheet by its size, or by a file, and how many there are."""
 
-    size: str = field(default="", metadata=option(Text(), "width x height in mm, such as 3000x1500"))
-    file: str = field(default="", metadata=option(Text(), "file of the sheet, from the list's folder"))
-    stock: int | None = field(default=None, metadata=option(Number(1, MOST, whole=True), "how many there are"))
-    price: float | None = field(default=None, metadata=option(Number(0), "price of one"))
-    remnant: bool = field(default=False, metadata=option(Flag(), "whether it is a remnant, which is used first"))
-    material: str = field(default="", metadata=option(Text(), "its grade; parts of another are not laid on it"))
-    thickness_mm: float | None = field(
-        default=None, metadata=option(positive(LENGTH), "its thickness; parts of another are not laid on it")
-    )
+    size: str = setting("", Text(), "width x height in mm, such as 3000x1500")
+    file: str = setting("", Text(), "file of the sheet, from the list's folder")
+    stock: int | None = setting(None, Number(1, MOST, whole=True), "how many there are")
+    price: float | None = setting(None, Number(0), "price of one")
+    remnant: bool = setting(False, Flag(), "whether it is a remnant, which is used first")
+    material: str = setting("", Text(), "its grade; parts of another are not laid on it")
+    thickness_mm: float | None = setting(None, positive(LENGTH), "its thickness; parts of another are not laid on it")
     place: Place | None = None
 
 

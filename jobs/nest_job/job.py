@@ -19,7 +19,7 @@ from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_named, utf8
 from kerfwise.encoder.questions import Answers
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import AnswerPairs, Number, OptionKind, Text, Unfit, scalar_text
-from kerfwise.rules.options.option import option, options_of
+from kerfwise.rules.options.option import options_of, setting
 from kerfwise.rules.options.quantities import OrWord, PointOrOff, PointXY
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty, items, with_value
 from kerfwise.rules.profile.load import read_fields, read_locks, shipped_profiles
@@ -93,23 +93,16 @@ class Job:
     'nests/plant.yaml'
     """
 
-    profile: str | None = field(
-        default=None, metadata=option(Text(), "name of a shipped profile, or path of one, from this file's folder")
+    profile: str | None = setting(None, Text(), "name of a shipped profile, or path of one, from this file's folder")
+    machine: str | None = setting(None, Text(), "name of the machine that the nest is for")
+    quantity: int = setting(1, Number(1, MOST_SHEETS, whole=True), "how many sheets of the nest are cut")
+    order: str | None = setting(None, Text(), "the order that the nest is cut for")
+    due: datetime.date | None = setting(None, Day(), "day on which the sheets have to be ready")
+    date: datetime.date | None = setting(None, Day(), "day that the program's top says")
+    number: int | None = setting(
+        None, OrWord(Number(1, 99_999_999, whole=True), none="none"), "number of the program on its control"
     )
-    machine: str | None = field(default=None, metadata=option(Text(), "name of the machine that the nest is for"))
-    quantity: int = field(
-        default=1, metadata=option(Number(1, MOST_SHEETS, whole=True), "how many sheets of the nest are cut")
-    )
-    order: str | None = field(default=None, metadata=option(Text(), "the order that the nest is cut for"))
-    due: datetime.date | None = field(default=None, metadata=option(Day(), "day on which the sheets have to be ready"))
-    date: datetime.date | None = field(default=None, metadata=option(Day(), "day that the program's top says"))
-    number: int | None = field(
-        default=None,
-        metadata=option(OrWord(Number(1, 99_999_999, whole=True), none="none"), "number of the program on its control"),
-    )
-    answers: Answers = field(
-        default=(), metadata=option(AnswerPairs(), "answers to questions that the drawing raises, as in {frame: sheet}")
-    )
+    answers: Answers = setting((), AnswerPairs(), "answers to questions that the drawing raises, as in {frame: sheet}")
     locks: tuple[Lock, ...] = ()
     settings: tuple[Setting, ...] = ()
     file: str = ""

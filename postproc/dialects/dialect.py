@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 from kerfwise.rules.options.kind import Choice, Flag, Number, Pairs, Text, TextOrWord
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import option, setting
 from kerfwise.rules.options.quantities import LENGTH, OrWord, positive
 from kerfwise.rules.profile.plant_sections import PROCESSES, PierceDwell, Process
 
@@ -51,43 +51,30 @@ _LINE, _ARC = Block(holes=("x", "y"), empty=True), Block(holes=("x", "y", "i", "
 class Dwell:
     """How a control is told to wait: by which letter of G4, in seconds or in milliseconds."""
 
-    letter: str = field(default="P", metadata=option(Choice(("P", "X", "F", "S", "U", "K", "R", "H")), "its letter"))
-    unit: Literal["s", "ms"] = field(default="s", metadata=option(Choice(("s", "ms")), "what it counts"))
+    letter: str = setting("P", Choice(("P", "X", "F", "S", "U", "K", "R", "H")), "its letter")
+    unit: Literal["s", "ms"] = setting("s", Choice(("s", "ms")), "what it counts")
 
 
 @dataclass(frozen=True, slots=True)
 class Reads:
     """What a control makes of its programs otherwise than `control`, which it is like."""
 
-    title: str | None = field(default=None, metadata=option(TextOrWord("unknown"), "the control's own name"))
-    means: tuple[tuple[str, str], ...] = field(
-        default=(),
-        metadata=option(
-            Pairs(),
-            "words of its own, each with what `control` calls the same: {M70: M07, CR=: R, "
-            "'PU{x},{y};': 'G0 X{x} Y{y}'}",
-        ),
+    title: str | None = setting(None, TextOrWord("unknown"), "the control's own name")
+    means: tuple[tuple[str, str], ...] = setting(
+        (),
+        Pairs(),
+        "words of its own, each with what `control` calls the same: {M70: M07, CR=: R, 'PU{x},{y};': 'G0 X{x} Y{y}'}",
     )
-    fixed: tuple[str, ...] = field(
-        default=(), metadata=option(Blocks(), "G words that are in force without being said, such as G21 or G91")
+    fixed: tuple[str, ...] = setting((), Blocks(), "G words that are in force without being said, such as G21 or G91")
+    dwell: Dwell | None = setting(None, Group(Dwell), "how a wait is told")
+    step_mm: float | None = setting(None, LENGTH, "what 1 is in its coordinates, where that is no mm and no inch")
+    feed: Literal["units_min", "mm_min", "m_min", "in_min", "mm_s", "cm_s"] = setting(
+        "units_min",
+        Choice(("units_min", *FEEDS)),
+        "what F counts (units_min: its units a minute, mm or inches, as most do)",
     )
-    dwell: Dwell | None = field(default=None, metadata=option(Group(Dwell), "how a wait is told"))
-    step_mm: float | None = field(
-        default=None, metadata=option(LENGTH, "what 1 is in its coordinates, where that is no mm and no inch")
-    )
-    feed: Literal["units_min", "mm_min", "m_min", "in_min", "mm_s", "cm_s"] = field(
-        default="units_min",
-        metadata=option(
-            Choice(("units_min", *FEEDS)), "what F counts (units_min: its units a minute, mm or inches, as most do)"
-        ),
-    )
-    longest: int | None = field(
-        default=None, metadata=option(Number(10, 252, whole=True), "bytes of the longest line that it takes")
-    )
-    modal: bool = field(
-        default=True,
-        metadata=option(Flag(), "whether a motion word holds until another comes: else each move says its"),
-    )
+    longest: int | None = setting(None, Number(10, 252, whole=True), "bytes of the longest line that it takes")
+    modal: bool = setting(True, Flag(), "whether a motion word holds until another comes: else each move says its")
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,11 +84,11 @@ class Turning:
     With the torch off it turns in a block of its own, behind the one that travels; it does not tilt while it turns.
     """
 
-    before: tuple[str, ...] = field(
-        default=(), metadata=option(Blocks(none=True), "leaves the turning to the program, before the first such cut")
+    before: tuple[str, ...] = setting(
+        (), Blocks(none=True), "leaves the turning to the program, before the first such cut"
     )
-    feed: Literal["rpm", "deg_min"] = field(
-        default="rpm", metadata=option(Choice(("rpm", "deg_min")), "what F counts where the head moves on the spot")
+    feed: Literal["rpm", "deg_min"] = setting(
+        "rpm", Choice(("rpm", "deg_min")), "what F counts where the head moves on the spot"
     )
 
 
@@ -109,12 +96,12 @@ class Turning:
 class Subprogram:
     """How a path that comes again and again is written once, counting from where it begins, and called."""
 
-    call: str = field(default="M98 P{sub}", metadata=option(Block(needs=("sub",)), "calls it, by its number {sub}"))
-    begin: str = field(default="O{sub}", metadata=option(Block(needs=("sub",)), "begins it, behind the program's end"))
-    end: str = field(default="M99", metadata=option(_BLOCK, "ends it"))
-    first: int = field(default=9001, metadata=option(Number(1, 99999, whole=True), "the number of the first"))
-    stepwise: str = field(default="G91", metadata=option(_BLOCK, "places count from the last one"))
-    from_zero: str = field(default="G90", metadata=option(_BLOCK, "places count from zero again"))
+    call: str = setting("M98 P{sub}", Block(needs=("sub",)), "calls it, by its number {sub}")
+    begin: str = setting("O{sub}", Block(needs=("sub",)), "begins it, behind the program's end")
+    end: str = setting("M99", _BLOCK, "ends it")
+    first: int = setting(9001, Number(1, 99999, whole=True), "the number of the first")
+    stepwise: str = setting("G91", _BLOCK, "places count from the last one")
+    from_zero: str = setting("G90", _BLOCK, "places count from zero again")
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,14 +111,11 @@ class KerfByControl:
     The torch runs up to each pierce in the direction of its lead-in, as controls ask for.
     """
 
-    left: str = field(
-        default="G41 D1", metadata=option(_WORD, "the torch keeps to the left of the path; {kerf} is the whole kerf")
-    )
-    right: str = field(default="G42 D1", metadata=option(_WORD, "the torch keeps to the right of the path"))
-    off: str = field(default="G40", metadata=option(_BLOCK, "the torch is on the path again, from the next move on"))
-    run_up_mm: float = field(
-        default=5.0,
-        metadata=option(positive(LENGTH), "how far the torch runs up to the pierce, off; half the kerf at least"),
+    left: str = setting("G41 D1", _WORD, "the torch keeps to the left of the path; {kerf} is the whole kerf")
+    right: str = setting("G42 D1", _WORD, "the torch keeps to the right of the path")
+    off: str = setting("G40", _BLOCK, "the torch is on the path again, from the next move on")
+    run_up_mm: float = setting(
+        5.0, positive(LENGTH), "how far the torch runs up to the pierce, off; half the kerf at least"
     )
 
 
@@ -139,8 +123,8 @@ class KerfByControl:
 class Around:
     """Blocks before what cuts a kind of contour starts, and behind where it stops."""
 
-    before: tuple[str, ...] = field(default=(), metadata=option(Blocks(_WORD, none=True), "before it starts"))
-    after: tuple[str, ...] = field(default=(), metadata=option(Blocks(_WORD, none=True), "after it has stopped"))
+    before: tuple[str, ...] = setting((), Blocks(_WORD, none=True), "before it starts")
+    after: tuple[str, ...] = setting((), Blocks(_WORD, none=True), "after it has stopped")
 
 
 NOTHING_AROUND = Around()
@@ -234,141 +218,101 @@ class Dialect:
     )
     decimals: int = field(metadata=option(Number(0, 6, whole=True), "digits after the decimal point of a coordinate"))
     max_line: int = field(metadata=option(Number(80, 252, whole=True), "longest block that the control takes, bytes"))
-    verified_by: tuple[str, ...] = field(
-        default=(), metadata=option(Blocks(), "outside readers that agree with what is written, none if nobody looked")
+    verified_by: tuple[str, ...] = setting(
+        (), Blocks(), "outside readers that agree with what is written, none if nobody looked"
     )
-    positions: Positions = field(
-        default="absolute", metadata=option(Choice(get_args(Positions)), "whether X and Y count from the last position")
+    positions: Positions = setting(
+        "absolute", Choice(get_args(Positions)), "whether X and Y count from the last position"
     )
-    chord_mm: float = field(
-        default=0.01, metadata=option(LENGTH, "how far chords may be off an arc, where there are no arcs")
+    chord_mm: float = setting(0.01, LENGTH, "how far chords may be off an arc, where there are no arcs")
+    greatest_sweep_deg: float = setting(
+        180.0, Number(1, 180), "how far an arc may turn, in degrees: longer ones are written in equal pieces"
     )
-    greatest_sweep_deg: float = field(
-        default=180.0,
-        metadata=option(Number(1, 180), "how far an arc may turn, in degrees: longer ones are written in equal pieces"),
+    feed_alone: bool = setting(False, Flag(), "whether the feed is a block of its own, before the path")
+    height_off: tuple[str, ...] = setting(
+        (), Blocks(none=True), "stops height control, in a small hole cut at its own feed"
     )
-    feed_alone: bool = field(
-        default=False, metadata=option(Flag(), "whether the feed is a block of its own, before the path")
+    height_on: tuple[str, ...] = setting((), Blocks(none=True), "starts it again")
+    tab_begin: tuple[str, ...] = setting(
+        (), Blocks(none=True), "puts the beam out over a tab, in motion; null for what torch_off says"
     )
-    height_off: tuple[str, ...] = field(
-        default=(), metadata=option(Blocks(none=True), "stops height control, in a small hole cut at its own feed")
+    tab_end: tuple[str, ...] = setting(
+        (),
+        Blocks(Block(holes=(*FEEDS, *POWERS)), none=True),
+        "lights it again; null for what torch_on says, without its wait",
     )
-    height_on: tuple[str, ...] = field(default=(), metadata=option(Blocks(none=True), "starts it again"))
-    tab_begin: tuple[str, ...] = field(
-        default=(),
-        metadata=option(Blocks(none=True), "puts the beam out over a tab, in motion; null for what torch_off says"),
-    )
-    tab_end: tuple[str, ...] = field(
-        default=(),
-        metadata=option(
-            Blocks(Block(holes=(*FEEDS, *POWERS)), none=True),
-            "lights it again; null for what torch_on says, without its wait",
-        ),
-    )
-    program: ProgramNumber | None = field(
-        default=None,
-        metadata=option(
-            Counted(ProgramNumber, "{number: 1, digits: 8}", (3600, 8)), "the program's number on the control, or null"
-        ),
+    program: ProgramNumber | None = setting(
+        None,
+        Counted(ProgramNumber, "{number: 1, digits: 8}", (3600, 8)),
+        "the program's number on the control, or null",
     )
 
-    torch_station: tuple[str, ...] = field(
-        default=(),
-        metadata=option(Blocks(none=True), "selects the torch, before the first cut and where a mark came before"),
+    torch_station: tuple[str, ...] = setting(
+        (), Blocks(none=True), "selects the torch, before the first cut and where a mark came before"
     )
-    mark_station: tuple[str, ...] = field(
-        default=(), metadata=option(Blocks(none=True), "selects what marks, before a mark where a cut came before")
+    mark_station: tuple[str, ...] = setting(
+        (), Blocks(none=True), "selects what marks, before a mark where a cut came before"
     )
-    torch_select: tuple[str, ...] = field(
-        default=(),
-        metadata=option(
-            Blocks(Block(holes=("torch", "output")), none=True),
-            "has a further torch burn with the first: {torch} counts from 2, {output} from 1; null for none",
-        ),
+    torch_select: tuple[str, ...] = setting(
+        (),
+        Blocks(Block(holes=("torch", "output")), none=True),
+        "has a further torch burn with the first: {torch} counts from 2, {output} from 1; null for none",
     )
-    torch_deselect: tuple[str, ...] = field(
-        default=(), metadata=option(Blocks(Block(holes=("torch", "output")), none=True), "has it burn no more")
+    torch_deselect: tuple[str, ...] = setting(
+        (), Blocks(Block(holes=("torch", "output")), none=True), "has it burn no more"
     )
-    scale: float = field(
-        default=1.0, metadata=option(Number(0.001, 1000), "what 1 mm is in a program: 10 where it counts in 0.1 mm")
-    )
-    signed: bool = field(
-        default=False, metadata=option(Flag(), "whether a coordinate has its sign always, + or -, zero too")
-    )
-    powers: Powers | None = field(
-        default=None,
-        metadata=option(
-            Counted(Powers, "{cut: 1000, pierce: 1000, mark: 200, full: 1000}", (100_000,) * 4),
-            "S words for {power}, {pierce_power}, {mark_power} where a profile says none, and that of 100 %; or null",
-        ),
+    scale: float = setting(1.0, Number(0.001, 1000), "what 1 mm is in a program: 10 where it counts in 0.1 mm")
+    signed: bool = setting(False, Flag(), "whether a coordinate has its sign always, + or -, zero too")
+    powers: Powers | None = setting(
+        None,
+        Counted(Powers, "{cut: 1000, pierce: 1000, mark: 200, full: 1000}", (100_000,) * 4),
+        "S words for {power}, {pierce_power}, {mark_power} where a profile says none, and that of 100 %; or null",
     )
 
-    also: tuple[Also, ...] = field(
-        default=(),
-        metadata=option(AlsoList(), "words that its control knows besides, which touch neither the path nor the torch"),
+    also: tuple[Also, ...] = setting(
+        (), AlsoList(), "words that its control knows besides, which touch neither the path nor the torch"
     )
-    reads: Reads | None = field(
-        default=None, metadata=option(Group(Reads), "what its control makes of words otherwise than `control` does")
+    reads: Reads | None = setting(None, Group(Reads), "what its control makes of words otherwise than `control` does")
+    around: tuple[tuple[str, Around], ...] = setting((), Keyed(KINDS, Group(Around)), "blocks around a kind of contour")
+    units: Literal["mm", "inch"] = setting(
+        "mm", Choice(("mm", "inch")), "units of lengths and feeds; header says them, too"
     )
-    around: tuple[tuple[str, Around], ...] = field(
-        default=(), metadata=option(Keyed(KINDS, Group(Around)), "blocks around a kind of contour")
+    newline: Literal["lf", "crlf"] = setting("lf", Choice(("lf", "crlf")), "how a line ends")
+    modal: tuple[Modal, ...] = setting(
+        (), SomeOrAll(get_args(Modal)), "words that are said only where they change; true for all"
     )
-    units: Literal["mm", "inch"] = field(
-        default="mm", metadata=option(Choice(("mm", "inch")), "units of lengths and feeds; header says them, too")
+    blanks: bool = setting(True, Flag(), "whether blanks stand between words")
+    trailing_zeros: bool = setting(False, Flag(), "whether numbers have all their decimals, zeros too")
+    whole_digits: int = setting(1, Number(1, 8, whole=True), "digits before the decimal point at least: 4 for X0010.5")
+    whole_point: bool = setting(False, Flag(), "whether whole numbers end in a point: X10.")
+    decimal: Literal[".", ","] = setting(".", Choice((".", ",")), "the decimal point, or comma")
+    feed_decimals: int | None = setting(
+        None, OrWord(Number(0, 6, whole=True), none="auto"), "digits after the decimal point of a feed"
     )
-    newline: Literal["lf", "crlf"] = field(default="lf", metadata=option(Choice(("lf", "crlf")), "how a line ends"))
-    modal: tuple[Modal, ...] = field(
-        default=(),
-        metadata=option(SomeOrAll(get_args(Modal)), "words that are said only where they change; true for all"),
+    subprogram: Subprogram | None = setting(
+        None, Group(Subprogram), "paths of copies are written once, and called; {} for M98"
     )
-    blanks: bool = field(default=True, metadata=option(Flag(), "whether blanks stand between words"))
-    trailing_zeros: bool = field(
-        default=False, metadata=option(Flag(), "whether numbers have all their decimals, zeros too")
+    kerf: KerfByControl | None = setting(
+        None,
+        Group(KerfByControl, "control"),
+        "control: contours themselves are written and the control adds the kerf (G41, G42); else it is in the path",
     )
-    whole_digits: int = field(
-        default=1, metadata=option(Number(1, 8, whole=True), "digits before the decimal point at least: 4 for X0010.5")
+    builders_choice: tuple[str, ...] = setting(
+        (),
+        SomeOrAll(("torch_on", "torch_off", "dwell")),
+        "keys whose words each machine builder chooses: a copy has them changed, and this key deleted",
     )
-    whole_point: bool = field(default=False, metadata=option(Flag(), "whether whole numbers end in a point: X10."))
-    decimal: Literal[".", ","] = field(default=".", metadata=option(Choice((".", ",")), "the decimal point, or comma"))
-    feed_decimals: int | None = field(
-        default=None,
-        metadata=option(OrWord(Number(0, 6, whole=True), none="auto"), "digits after the decimal point of a feed"),
+    rotary: tuple[Rotary, ...] = setting(
+        (), SomeOrAll(get_args(Rotary)), "letters of axes that tilt and turn a torch, which it moves with X and Y"
     )
-    subprogram: Subprogram | None = field(
-        default=None, metadata=option(Group(Subprogram), "paths of copies are written once, and called; {} for M98")
+    no_marking: str | None = setting(
+        None, TextOrWord("unsaid"), "why there are no words for marking, and how a plant states its own"
     )
-    kerf: KerfByControl | None = field(
-        default=None,
-        metadata=option(
-            Group(KerfByControl, "control"),
-            "control: contours themselves are written and the control adds the kerf (G41, G42); else it is in the path",
-        ),
+    turning: Turning | None = setting(
+        None, Group(Turning), "the head turns by blocks of its own while the torch is off; null: with X and Y"
     )
-    builders_choice: tuple[str, ...] = field(
-        default=(),
-        metadata=option(
-            SomeOrAll(("torch_on", "torch_off", "dwell")),
-            "keys whose words each machine builder chooses: a copy has them changed, and this key deleted",
-        ),
-    )
-    rotary: tuple[Rotary, ...] = field(
-        default=(),
-        metadata=option(
-            SomeOrAll(get_args(Rotary)), "letters of axes that tilt and turn a torch, which it moves with X and Y"
-        ),
-    )
-    no_marking: str | None = field(
-        default=None,
-        metadata=option(TextOrWord("unsaid"), "why there are no words for marking, and how a plant states its own"),
-    )
-    turning: Turning | None = field(
-        default=None,
-        metadata=option(
-            Group(Turning), "the head turns by blocks of its own while the torch is off; null: with X and Y"
-        ),
-    )
-    greatest_radius_mm: float | None = field(
-        default=None, metadata=option(OrWord(positive(LENGTH), none="any"), "arcs of more are written as chords")
+    greatest_radius_mm: float | None = setting(
+        None, OrWord(positive(LENGTH), none="any"), "arcs of more are written as chords"
     )
 
     @property

@@ -43,6 +43,11 @@ def option(kind: OptionKind, help: str, named: tuple[Any, ...] = ()) -> dict[str
     return {"kind": kind, "help": help, "named": named}
 
 
+def setting(default: Any, kind: OptionKind, help: str, named: tuple[Any, ...] = ()) -> Any:
+    """A dataclass field that a profile can set: `reach_mm: float = setting(25.0, LENGTH, "how far it looks")`."""
+    return dataclasses.field(default=default, metadata=option(kind, help, named))
+
+
 def options_of(owner: Any) -> tuple[Option, ...]:
     """The options that a dataclass (or an instance of one) declares, in order.
 

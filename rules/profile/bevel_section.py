@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import yaml
@@ -11,7 +11,7 @@ from kerfwise.encoder.bevels.bevel import Bevel, Face
 from kerfwise.encoder.bevels.round import Corner
 from kerfwise.encoder.errors import InputError
 from kerfwise.rules.options.kind import Choice, Number, OptionKind, Text, Unfit
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import KERF, LENGTH, MASS, OrWord, likely, positive
 
 Head = Literal["tilting", "block"]
@@ -75,56 +75,39 @@ class BevelPairs(OptionKind):
 class BevelSection:
     """A head that tilts, for the bevels that nests have."""
 
-    head: Head | None = field(
-        default=None,
-        metadata=option(
-            Choice(("off", "tilting", "block"), none="off"),
-            "what cuts bevels: one torch that tilts, or a block of three that turns",
-            named=("tilting",),
-        ),
+    head: Head | None = setting(
+        None,
+        Choice(("off", "tilting", "block"), none="off"),
+        "what cuts bevels: one torch that tilts, or a block of three that turns",
+        named=("tilting",),
     )
-    tilt: Axis = field(default="A", metadata=option(_AXES, "the axis that tilts the torch from the vertical"))
-    turn: Axis = field(
-        default="C",
-        metadata=option(_AXES, "the axis that turns the tilted torch: its angle is where its jet goes down to"),
+    tilt: Axis = setting("A", _AXES, "the axis that tilts the torch from the vertical")
+    turn: Axis = setting("C", _AXES, "the axis that turns the tilted torch: its angle is where its jet goes down to")
+    most_turn: float = setting(360.0, Number(180, 36_000), "how many degrees the head turns from its zero, either way")
+    kerfs: tuple[tuple[float, float], ...] = setting(
+        (), KerfByAngle(), "the kerf square to the jet by its angle; material.kerf at 0, straight between"
     )
-    most_turn: float = field(
-        default=360.0, metadata=option(Number(180, 36_000), "how many degrees the head turns from its zero, either way")
+    apart_mm: float = setting(
+        45.0,
+        likely(positive(LENGTH), 10.0, 500.0),
+        "how far the tilted torches of a block stand from its upright one, along the contour",
     )
-    kerfs: tuple[tuple[float, float], ...] = field(
-        default=(),
-        metadata=option(KerfByAngle(), "the kerf square to the jet by its angle; material.kerf at 0, straight between"),
+    left: Face = setting(
+        "top",
+        Choice(("top", "bottom")),
+        "which face the torch opens to that stands on the left, as one looks from the part to the waste: it leads "
+        "where a contour is cut counter-clockwise",
     )
-    apart_mm: float = field(
-        default=45.0,
-        metadata=option(
-            likely(positive(LENGTH), 10.0, 500.0),
-            "how far the tilted torches of a block stand from its upright one, along the contour",
-        ),
+    corner: Corner = setting(
+        "either",
+        Choice(("either", "loop", "turn")),
+        "sharp outside corners: a loop past them, a turn about them, or a turn where no loop has room",
     )
-    left: Face = field(
-        default="top",
-        metadata=option(
-            Choice(("top", "bottom")),
-            "which face the torch opens to that stands on the left, as one looks from the part to the waste: it leads "
-            "where a contour is cut counter-clockwise",
-        ),
+    run_mm: float = setting(
+        5.0, likely(positive(LENGTH), 0.5, 500.0), "how far past a corner a loop goes, at the least"
     )
-    corner: Corner = field(
-        default="either",
-        metadata=option(
-            Choice(("either", "loop", "turn")),
-            "sharp outside corners: a loop past them, a turn about them, or a turn where no loop has room",
-        ),
-    )
-    run_mm: float = field(
-        default=5.0,
-        metadata=option(likely(positive(LENGTH), 0.5, 500.0), "how far past a corner a loop goes, at the least"),
-    )
-    lies_still: float | None = field(
-        default=None,
-        metadata=option(
-            OrWord(likely(MASS, 0.0, 50_000.0), "unknown"),
-            "from which mass on a part that has come loose stays where it is while it is cut again",
-        ),
+    lies_still: float | None = setting(
+        None,
+        OrWord(likely(MASS, 0.0, 50_000.0), "unknown"),
+        "from which mass on a part that has come loose stays where it is while it is cut again",
     )

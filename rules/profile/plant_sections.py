@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import resources
 from typing import Any, Literal
 
@@ -14,7 +14,7 @@ from kerfwise.encoder.geometry.segment import Point
 from kerfwise.rules.charts.chart import ROW_CHOICE, RowChoice
 from kerfwise.rules.charts.read_chart import ChartUnits
 from kerfwise.rules.options.kind import Choice, Flag, Number, Text, TextOrWord
-from kerfwise.rules.options.option import Members, option, options_of
+from kerfwise.rules.options.option import Members, options_of, setting
 from kerfwise.rules.options.quantities import (
     AMPS,
     CUT_FEED,
@@ -85,17 +85,13 @@ Axis = Literal["x", "y"]
 class Torches:
     """Torches on one gantry, which follow the same path side by side."""
 
-    count: int = field(default=1, metadata=option(Number(1, 8, whole=True), "torches on the gantry"))
-    spacing_mm: float = field(
-        default=0.0, metadata=option(likely(LENGTH, 0.0, 20_000.0), "from each torch to the next")
-    )
-    axis: Axis = field(default="y", metadata=option(Choice(("x", "y")), "the axis along which they stand, upwards"))
-    up_to_mm: float | None = field(
-        default=None,
-        metadata=option(
-            OrWord(likely(positive(LENGTH), 1.0, 20_000.0), "spacing"),
-            "where torches can be moved: the greatest spacing, spacing the least",
-        ),
+    count: int = setting(1, Number(1, 8, whole=True), "torches on the gantry")
+    spacing_mm: float = setting(0.0, likely(LENGTH, 0.0, 20_000.0), "from each torch to the next")
+    axis: Axis = setting("y", Choice(("x", "y")), "the axis along which they stand, upwards")
+    up_to_mm: float | None = setting(
+        None,
+        OrWord(likely(positive(LENGTH), 1.0, 20_000.0), "spacing"),
+        "where torches can be moved: the greatest spacing, spacing the least",
     )
 
     @property
@@ -130,51 +126,35 @@ class Torches:
 class Machine:
     """What the machine can do, and the language its control speaks."""
 
-    process: Process = field(default="plasma", metadata=option(Choice(PROCESSES), "what cuts"))
-    dialect: str = field(
-        default="linuxcnc-qtplasmac",
-        metadata=option(DialectName(DIALECTS), "language of the NC program"),
+    process: Process = setting("plasma", Choice(PROCESSES), "what cuts")
+    dialect: str = setting("linuxcnc-qtplasmac", DialectName(DIALECTS), "language of the NC program")
+    accept_dialect: bool = setting(
+        False, Flag(), "write in this dialect, though for another process, or with words of its builder's choice"
     )
-    accept_dialect: bool = field(
-        default=False,
-        metadata=option(
-            Flag(), "write in this dialect, though for another process, or with words of its builder's choice"
-        ),
+    home: Point = setting((0.0, 0.0), PointXY(), "where the torch starts and returns to, in machine coordinates")
+    origin: Origin = setting(
+        "drawing", Choice(ORIGINS), "the machine's zero: that of the drawing, or the sheet's corner"
     )
-    home: Point = field(
-        default=(0.0, 0.0), metadata=option(PointXY(), "where the torch starts and returns to, in machine coordinates")
+    travel_x_mm: Point | None = setting(None, _SPAN, "least and most X that the torch can go to")
+    travel_y_mm: Point | None = setting(None, _SPAN, "least and most Y that the torch can go to")
+    cut_feed_mm_s: float = setting(2500 / 60, CUT_FEED, "speed while cutting")
+    mark_feed_mm_s: float = setting(100.0, MARK_FEED, "speed while marking")
+    travel_mm_s: float = setting(250.0, likely(SPEED, 1.0, 10_000.0), "speed of idle travel")
+    pierce_time_s: float = setting(0.5, PIERCE_TIME, "time to pierce")
+    pierce_dwell: PierceDwell | None = setting(
+        None,
+        Choice(("dialect", "machine", "program"), none="dialect"),
+        "who waits for the pierce (dialect: as it says)",
     )
-    origin: Origin = field(
-        default="drawing",
-        metadata=option(Choice(ORIGINS), "the machine's zero: that of the drawing, or the sheet's corner"),
+    edge_preheat_s: float = setting(
+        0.0, likely(DURATION, 0.0, 600.0), "time to preheat the sheet's edge before an edge start"
     )
-    travel_x_mm: Point | None = field(default=None, metadata=option(_SPAN, "least and most X that the torch can go to"))
-    travel_y_mm: Point | None = field(default=None, metadata=option(_SPAN, "least and most Y that the torch can go to"))
-    cut_feed_mm_s: float = field(default=2500 / 60, metadata=option(CUT_FEED, "speed while cutting"))
-    mark_feed_mm_s: float = field(default=100.0, metadata=option(MARK_FEED, "speed while marking"))
-    travel_mm_s: float = field(default=250.0, metadata=option(likely(SPEED, 1.0, 10_000.0), "speed of idle travel"))
-    pierce_time_s: float = field(default=0.5, metadata=option(PIERCE_TIME, "time to pierce"))
-    pierce_dwell: PierceDwell | None = field(
-        default=None,
-        metadata=option(
-            Choice(("dialect", "machine", "program"), none="dialect"), "who waits for the pierce (dialect: as it says)"
-        ),
+    kerf_start: bool = setting(
+        True, Flag(), "begin in an old kerf as at the sheet's edge; false: wait as long as for a pierce"
     )
-    edge_preheat_s: float = field(
-        default=0.0,
-        metadata=option(likely(DURATION, 0.0, 600.0), "time to preheat the sheet's edge before an edge start"),
-    )
-    kerf_start: bool = field(
-        default=True,
-        metadata=option(Flag(), "begin in an old kerf as at the sheet's edge; false: wait as long as for a pierce"),
-    )
-    torches: Torches = field(
-        default=Torches(), metadata=option(Members(Torches), "torches side by side, for nests of copies")
-    )
-    mark_time_s: float = field(default=0.2, metadata=option(likely(DURATION, 0.0, 120.0), "time to start marking"))
-    head: str = field(
-        default="up", metadata=option(Choice(("up", "down")), "whether the head is lifted on idle travel")
-    )
+    torches: Torches = setting(Torches(), Members(Torches), "torches side by side, for nests of copies")
+    mark_time_s: float = setting(0.2, likely(DURATION, 0.0, 120.0), "time to start marking")
+    head: str = setting("up", Choice(("up", "down")), "whether the head is lifted on idle travel")
 
     @property
     def unpierced_s(self) -> float:
@@ -202,53 +182,36 @@ _POWER = OrWord(SHARE_OF_POWER, none="unknown")
 class Material:
     """What is cut."""
 
-    name: str = field(default="S235", metadata=option(Text(), "grade of the sheet"))
-    thickness_mm: float = field(default=6.0, metadata=option(THICKNESS, "thickness of the sheet"))
-    kerf_mm: float = field(default=1.5, metadata=option(KERF, "width that the cut burns away"))
-    chart: str | None = field(
-        default=None, metadata=option(TextOrWord("none"), "file of the chart that has what is not said here")
+    name: str = setting("S235", Text(), "grade of the sheet")
+    thickness_mm: float = setting(6.0, THICKNESS, "thickness of the sheet")
+    kerf_mm: float = setting(1.5, KERF, "width that the cut burns away")
+    chart: str | None = setting(None, TextOrWord("none"), "file of the chart that has what is not said here")
+    row: RowChoice | None = setting(
+        None, ROW_CHOICE, "the chart's row: its name, or columns of it (auto: by name and thickness)"
     )
-    row: RowChoice | None = field(
-        default=None,
-        metadata=option(ROW_CHOICE, "the chart's row: its name, or columns of it (auto: by name and thickness)"),
+    interpolate: bool = setting(False, Flag(), "whether what lies between two rows of the chart may be taken")
+    chart_units: ChartUnits = setting(
+        "mm", Choice(("mm", "inch")), "units of a chart of QtPlasmaC, which does not say them"
     )
-    interpolate: bool = field(
-        default=False, metadata=option(Flag(), "whether what lies between two rows of the chart may be taken")
+    pierce_height_mm: float | None = setting(
+        None, _HEIGHT, "height of the torch while it pierces; the program tells the operator"
     )
-    chart_units: ChartUnits = field(
-        default="mm", metadata=option(Choice(("mm", "inch")), "units of a chart of QtPlasmaC, which does not say them")
+    cut_height_mm: float | None = setting(
+        None, _HEIGHT, "height of the torch while it cuts; the program tells the operator"
     )
-    pierce_height_mm: float | None = field(
-        default=None, metadata=option(_HEIGHT, "height of the torch while it pierces; the program tells the operator")
+    amps: float | None = setting(None, OrWord(AMPS, none="unknown"), "current; the program tells the operator")
+    volts: float | None = setting(None, OrWord(VOLTS, none="unknown"), "arc voltage; the program tells the operator")
+    power: float | None = setting(None, _POWER, "power while cutting, of full power; GRBL's S words say it")
+    pierce_power: float | None = setting(None, _POWER, "power while piercing (unknown: that of cutting)")
+    mark_power: float | None = setting(None, _POWER, "power while marking")
+    gas: str | None = setting(None, TextOrWord("unknown"), "gas, or gases; the program tells the operator")
+    gas_flow_m3_h: float | None = setting(
+        None, OrWord(FLOW, none="unknown"), "gas that flows with the torch on, for its price"
     )
-    cut_height_mm: float | None = field(
-        default=None, metadata=option(_HEIGHT, "height of the torch while it cuts; the program tells the operator")
-    )
-    amps: float | None = field(
-        default=None, metadata=option(OrWord(AMPS, none="unknown"), "current; the program tells the operator")
-    )
-    volts: float | None = field(
-        default=None, metadata=option(OrWord(VOLTS, none="unknown"), "arc voltage; the program tells the operator")
-    )
-    power: float | None = field(
-        default=None, metadata=option(_POWER, "power while cutting, of full power; GRBL's S words say it")
-    )
-    pierce_power: float | None = field(
-        default=None, metadata=option(_POWER, "power while piercing (unknown: that of cutting)")
-    )
-    mark_power: float | None = field(default=None, metadata=option(_POWER, "power while marking"))
-    gas: str | None = field(
-        default=None, metadata=option(TextOrWord("unknown"), "gas, or gases; the program tells the operator")
-    )
-    gas_flow_m3_h: float | None = field(
-        default=None, metadata=option(OrWord(FLOW, none="unknown"), "gas that flows with the torch on, for its price")
-    )
-    process: str | None = field(
-        default=None,
-        metadata=option(
-            TextOrWord("unknown"),
-            "what the control calls it: a number, or blocks with ; between, for a dialect's {process}",
-        ),
+    process: str | None = setting(
+        None,
+        TextOrWord("unknown"),
+        "what the control calls it: a number, or blocks with ; between, for a dialect's {process}",
     )
 
 
@@ -349,41 +312,28 @@ HeatModel = Literal["physical", "logical"]
 class Heat:
     """How heat is simulated, and what counts as too hot."""
 
-    model: HeatModel = field(
-        default="physical",
-        metadata=option(Choice(("physical", "logical")), "heat equation, or the scheme of Verkhoturov et al."),
+    model: HeatModel = setting(
+        "physical", Choice(("physical", "logical")), "heat equation, or the scheme of Verkhoturov et al."
     )
-    material: str = field(
-        default="carbon-steel", metadata=option(Choice(tuple(MATERIALS)), "thermal data, of the shipped table")
+    material: str = setting("carbon-steel", Choice(tuple(MATERIALS)), "thermal data, of the shipped table")
+    absorbed_power_w: float = setting(
+        1300.0, Number(0, 1e6), "W that stay in the sheet while the torch is on, piercing included"
     )
-    absorbed_power_w: float = field(
-        default=1300.0,
-        metadata=option(Number(0, 1e6), "W that stay in the sheet while the torch is on, piercing included"),
+    ambient_c: float = setting(20.0, Number(-50, 200), "temperature of the air and sheet, °C")
+    limit_c: float = setting(115.0, Number(-50, 3000), "a point hotter than this is an overheat, °C")
+    kerf_band_mm: float = setting(
+        10.0, likely(LENGTH, 0.0, 1000.0), "metal this near to the cut is hot anyway and not counted"
     )
-    ambient_c: float = field(default=20.0, metadata=option(Number(-50, 200), "temperature of the air and sheet, °C"))
-    limit_c: float = field(
-        default=115.0, metadata=option(Number(-50, 3000), "a point hotter than this is an overheat, °C")
+    loss_w_m2k: float = setting(
+        15.0, Number(0, 1e5), "W per m² and kelvin that each face of the sheet gives to the air"
     )
-    kerf_band_mm: float = field(
-        default=10.0,
-        metadata=option(likely(LENGTH, 0.0, 1000.0), "metal this near to the cut is hot anyway and not counted"),
+    grid_mm: float = setting(5.0, likely(positive(LENGTH), 0.05, 1000.0), "distance between points of the grid")
+    logical_conduction: float = setting(
+        0.1, Number(0, 1), "share that each of 8 neighbours is given a step, scheme logical"
     )
-    loss_w_m2k: float = field(
-        default=15.0,
-        metadata=option(Number(0, 1e5), "W per m² and kelvin that each face of the sheet gives to the air"),
-    )
-    grid_mm: float = field(
-        default=5.0, metadata=option(likely(positive(LENGTH), 0.05, 1000.0), "distance between points of the grid")
-    )
-    logical_conduction: float = field(
-        default=0.1, metadata=option(Number(0, 1), "share that each of 8 neighbours is given a step, scheme logical")
-    )
-    logical_retention: float = field(
-        default=0.9998, metadata=option(Number(0, 1), "share that the air leaves, scheme logical")
-    )
-    logical_step_s: float = field(
-        default=1.0,
-        metadata=option(likely(positive(DURATION), 1e-3, 3600.0), "time between two steps of the scheme logical"),
+    logical_retention: float = setting(0.9998, Number(0, 1), "share that the air leaves, scheme logical")
+    logical_step_s: float = setting(
+        1.0, likely(positive(DURATION), 1e-3, 3600.0), "time between two steps of the scheme logical"
     )
 
 
@@ -396,37 +346,28 @@ _PRICE = Number(0)
 class Consumables:
     """Electrodes, nozzles and the like: the price of a set, and how long one lasts."""
 
-    set_price: float = field(default=0.0, metadata=option(_PRICE, "price of a set of them"))
-    pierces: float = field(default=0.0, metadata=option(_PRICE, "pierces that wear a set out (0: they do not)"))
-    torch_hours: float = field(
-        default=0.0, metadata=option(_PRICE, "hours with the torch on that wear a set out (0: they do not)")
-    )
+    set_price: float = setting(0.0, _PRICE, "price of a set of them")
+    pierces: float = setting(0.0, _PRICE, "pierces that wear a set out (0: they do not)")
+    torch_hours: float = setting(0.0, _PRICE, "hours with the torch on that wear a set out (0: they do not)")
 
 
 @dataclass(frozen=True, slots=True)
 class Prices:
     """What cutting and the sheet cost; without any price no cost is told."""
 
-    machine_hour: float = field(default=0.0, metadata=option(_PRICE, "price of an hour of the machine"))
-    gas_hour: float = field(
-        default=0.0, metadata=option(_PRICE, "price of the gas of an hour with the torch on, piercing included")
+    machine_hour: float = setting(0.0, _PRICE, "price of an hour of the machine")
+    gas_hour: float = setting(0.0, _PRICE, "price of the gas of an hour with the torch on, piercing included")
+    gas_m3: float = setting(0.0, _PRICE, "price of a cubic metre of gas; material.gas_flow says how much flows")
+    kwh: float = setting(0.0, _PRICE, "price of a kilowatt-hour")
+    torch_kw: float = setting(0.0, _PRICE, "kW drawn with the torch on, piercing included")
+    standby_kw: float = setting(0.0, _PRICE, "kW drawn all the time")
+    consumables: Consumables = setting(Consumables(), Members(Consumables), "electrodes, nozzles and the like")
+    sheet_kg: float = setting(0.0, _PRICE, "price of a kilogram of the sheet")
+    sheet_each: float = setting(0.0, _PRICE, "price of a whole sheet, instead of sheet_kg")
+    remnant_share: float = setting(
+        0.0, Number(0, 1), "share of the sheet's price that a saved remnant is still worth, by area"
     )
-    gas_m3: float = field(
-        default=0.0, metadata=option(_PRICE, "price of a cubic metre of gas; material.gas_flow says how much flows")
-    )
-    kwh: float = field(default=0.0, metadata=option(_PRICE, "price of a kilowatt-hour"))
-    torch_kw: float = field(default=0.0, metadata=option(_PRICE, "kW drawn with the torch on, piercing included"))
-    standby_kw: float = field(default=0.0, metadata=option(_PRICE, "kW drawn all the time"))
-    consumables: Consumables = field(
-        default=Consumables(), metadata=option(Members(Consumables), "electrodes, nozzles and the like")
-    )
-    sheet_kg: float = field(default=0.0, metadata=option(_PRICE, "price of a kilogram of the sheet"))
-    sheet_each: float = field(default=0.0, metadata=option(_PRICE, "price of a whole sheet, instead of sheet_kg"))
-    remnant_share: float = field(
-        default=0.0,
-        metadata=option(Number(0, 1), "share of the sheet's price that a saved remnant is still worth, by area"),
-    )
-    currency: str = field(default="EUR", metadata=option(Text(), "what prices are in, a word such as EUR"))
+    currency: str = setting("EUR", Text(), "what prices are in, a word such as EUR")
 
     @property
     def given(self) -> bool:

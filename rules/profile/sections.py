@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 from kerfwise.encoder.bevels.bevel import Bevel
@@ -17,7 +17,7 @@ from kerfwise.encoder.readers.options import QUANTITY, UNITS, FrameName, OpenLin
 from kerfwise.encoder.small_holes import HoleLimits, Under
 from kerfwise.encoder.torch_path import CornerFeed
 from kerfwise.rules.options.kind import AnswerPairs, Choice, Flag, Number, Pairs, Text
-from kerfwise.rules.options.option import Members, option, options_of
+from kerfwise.rules.options.option import Members, options_of, setting
 from kerfwise.rules.options.quantities import (
     LEAD,
     LENGTH,
@@ -56,9 +56,7 @@ __all__ = [
 class Links:
     """Ways through waste from one contour to the next with the torch on."""
 
-    longest_mm: float = field(
-        default=0.0, metadata=option(likely(LENGTH, 0.0, 10_000.0), "longest link; 0 mm: none", named=(30.0,))
-    )
+    longest_mm: float = setting(0.0, likely(LENGTH, 0.0, 10_000.0), "longest link; 0 mm: none", named=(30.0,))
 
 
 GoodSide = Literal["part", "any"]
@@ -68,49 +66,38 @@ GoodSide = Literal["part", "any"]
 class Common:
     """Straight edges of two parts, one kerf apart, that are cut once."""
 
-    shortest_mm: float | None = field(
-        default=None,
-        metadata=option(
-            OrWord(likely(positive(LENGTH), 0.1, 1e4), "off"),
-            "cut common edges once, where one is as long as this",
-            named=(20.0,),
-        ),
+    shortest_mm: float | None = setting(
+        None,
+        OrWord(likely(positive(LENGTH), 0.1, 1e4), "off"),
+        "cut common edges once, where one is as long as this",
+        named=(20.0,),
     )
-    gap_tolerance_mm: float = field(
-        default=0.05,
-        metadata=option(likely(LENGTH, 0.0, 20.0), "how much more or less than a kerf may lie between common edges"),
+    gap_tolerance_mm: float = setting(
+        0.05, likely(LENGTH, 0.0, 20.0), "how much more or less than a kerf may lie between common edges"
     )
-    good_side: GoodSide = field(
-        default="part",
-        metadata=option(
-            Choice(("part", "any")), "where directions are fixed: refuse common cuts, or let one part have the bad side"
-        ),
+    good_side: GoodSide = setting(
+        "part",
+        Choice(("part", "any")),
+        "where directions are fixed: refuse common cuts, or let one part have the bad side",
     )
-    accept_loss: bool = field(
-        default=False,
-        metadata=option(Flag(), "cut edges that touch once, too: each part loses half a kerf along them"),
-    )
+    accept_loss: bool = setting(False, Flag(), "cut edges that touch once, too: each part loses half a kerf along them")
 
 
 @dataclass(frozen=True, slots=True)
 class Scrap:
     """Lines in the skeleton that are made, not drawn."""
 
-    grid_mm: float | None = field(
-        default=None,
-        metadata=option(
-            OrWord(likely(positive(LENGTH), 20.0, 1e5), "off"),
-            "cut the skeleton into pieces no larger than this, either way",
-            named=(500.0,),
-        ),
+    grid_mm: float | None = setting(
+        None,
+        OrWord(likely(positive(LENGTH), 20.0, 1e5), "off"),
+        "cut the skeleton into pieces no larger than this, either way",
+        named=(500.0,),
     )
-    remnant: Side | None = field(
-        default=None,
-        metadata=option(
-            Choice(("off", *get_args(Side)), none="off"),
-            "save the largest unused rectangle along this side",
-            named=(None,),
-        ),
+    remnant: Side | None = setting(
+        None,
+        Choice(("off", *get_args(Side)), none="off"),
+        "save the largest unused rectangle along this side",
+        named=(None,),
     )
 
 
@@ -118,45 +105,32 @@ class Scrap:
 class Snake:
     """Rows of neighbours that are cut out along one side of each, with the torch on, and back along the other."""
 
-    gap_mm: float | None = field(
-        default=None,
-        metadata=option(
-            OrWord(likely(positive(LENGTH), 0.1, 1e3), "off"),
-            "neighbours in a row are no further apart than this",
-            named=(20.0,),
-        ),
+    gap_mm: float | None = setting(
+        None,
+        OrWord(likely(positive(LENGTH), 0.1, 1e3), "off"),
+        "neighbours in a row are no further apart than this",
+        named=(20.0,),
     )
-    parts: int = field(
-        default=2, metadata=option(Number(2, 1000, whole=True), "so many parts make a row, at the least")
-    )
-    rows: int = field(
-        default=1, metadata=option(Number(1, 1000, whole=True), "one way goes through so many rows, at the most")
-    )
+    parts: int = setting(2, Number(2, 1000, whole=True), "so many parts make a row, at the least")
+    rows: int = setting(1, Number(1, 1000, whole=True), "one way goes through so many rows, at the most")
 
 
 @dataclass(frozen=True, slots=True)
 class Split:
     """Rounds that are cut in two stretches."""
 
-    halves: float | None = field(
-        default=None,
-        metadata=option(
-            OrWord(Number(1.5, 1000), "off"), "strips are cut in two halves where their sides have this ratio or more"
-        ),
+    halves: float | None = setting(
+        None, OrWord(Number(1.5, 1000), "off"), "strips are cut in two halves where their sides have this ratio or more"
     )
-    last_mm: float | None = field(
-        default=None,
-        metadata=option(
-            OrWord(likely(positive(LENGTH), 1.0, 1e3), "off"),
-            "so much of each part is cut last, when all of its zone hang by such a stretch",
-        ),
+    last_mm: float | None = setting(
+        None,
+        OrWord(likely(positive(LENGTH), 1.0, 1e3), "off"),
+        "so much of each part is cut last, when all of its zone hang by such a stretch",
     )
-    shared_last: bool = field(
-        default=False,
-        metadata=option(
-            Flag(),
-            "two parts a kerf apart are cut round together, the edge that they share when all of the zone hang so",
-        ),
+    shared_last: bool = setting(
+        False,
+        Flag(),
+        "two parts a kerf apart are cut round together, the edge that they share when all of the zone hang so",
     )
 
 
@@ -167,35 +141,23 @@ PiercePass = Literal["zone", "sheet"]
 class Cuts:
     """Ways to cut what the torch cannot follow as it is drawn."""
 
-    narrow: Narrow = field(
-        default="ask",
-        metadata=option(
-            Choice(get_args(Narrow)),
-            "a slot narrower than the kerf: cut straight across its mouth (leave), open it by one pass along its "
-            "middle, a kerf wide (slit), or refuse the nest; ask leaves those up to two kerfs deep, and asks else",
-        ),
+    narrow: Narrow = setting(
+        "ask",
+        Choice(get_args(Narrow)),
+        "a slot narrower than the kerf: cut straight across its mouth (leave), open it by one pass along its "
+        "middle, a kerf wide (slit), or refuse the nest; ask leaves those up to two kerfs deep, and asks else",
     )
-    scrap: Scrap = field(default=Scrap(), metadata=option(Members(Scrap), "lines that cut up the skeleton, made"))
-    links: Links = field(
-        default=Links(), metadata=option(Members(Links), "ways through waste from one contour to the next, torch on")
+    scrap: Scrap = setting(Scrap(), Members(Scrap), "lines that cut up the skeleton, made")
+    links: Links = setting(Links(), Members(Links), "ways through waste from one contour to the next, torch on")
+    pierce_pass: PiercePass | None = setting(
+        None,
+        Choice(("off", *get_args(PiercePass)), none="off"),
+        "pierce all holes of each zone, or of the sheet, before the cuts that begin there",
     )
-    pierce_pass: PiercePass | None = field(
-        default=None,
-        metadata=option(
-            Choice(("off", *get_args(PiercePass)), none="off"),
-            "pierce all holes of each zone, or of the sheet, before the cuts that begin there",
-        ),
-    )
-    common: Common = field(
-        default=Common(), metadata=option(Members(Common), "straight edges of two parts, a kerf apart, cut once")
-    )
-    snake: Snake = field(
-        default=Snake(), metadata=option(Members(Snake), "rows of neighbours, cut out along one side and back")
-    )
-    split: Split = field(default=Split(), metadata=option(Members(Split), "rounds that are cut in two stretches"))
-    bevel: BevelSection = field(
-        default=BevelSection(), metadata=option(Members(BevelSection), "bevels, cut by a head that tilts")
-    )
+    common: Common = setting(Common(), Members(Common), "straight edges of two parts, a kerf apart, cut once")
+    snake: Snake = setting(Snake(), Members(Snake), "rows of neighbours, cut out along one side and back")
+    split: Split = setting(Split(), Members(Split), "rounds that are cut in two stretches")
+    bevel: BevelSection = setting(BevelSection(), Members(BevelSection), "bevels, cut by a head that tilts")
 
     @property
     def in_stretches(self) -> str:
@@ -212,22 +174,15 @@ class Cuts:
 class Corners:
     """How much slower the torch goes round corners, and how much of an inner corner it may leave."""
 
-    corner_feed: float = field(
-        default=1.0, metadata=option(Number(0.05, 1), "share of the cut feed near a corner; 1 for all of it")
+    corner_feed: float = setting(1.0, Number(0.05, 1), "share of the cut feed near a corner; 1 for all of it")
+    corner_angle: float = setting(45.0, Number(10, 180), "from how many degrees on a turn of the path is a corner")
+    corner_reach: ByThickness = setting(
+        Thicknesses(0.5), likely(LENGTH_BY_THICKNESS, 0.0, 500.0), "how far before and behind a corner it goes slower"
     )
-    corner_angle: float = field(
-        default=45.0, metadata=option(Number(10, 180), "from how many degrees on a turn of the path is a corner")
-    )
-    corner_reach: ByThickness = field(
-        default=Thicknesses(0.5),
-        metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 500.0), "how far before and behind a corner it goes slower"),
-    )
-    leave_mm: float | None = field(
-        default=None,
-        metadata=option(
-            OrWord(likely(LENGTH, 0.0, 100.0), "any"),
-            "how much of an inner corner the round kerf may leave; more is refused",
-        ),
+    leave_mm: float | None = setting(
+        None,
+        OrWord(likely(LENGTH, 0.0, 100.0), "any"),
+        "how much of an inner corner the round kerf may leave; more is refused",
     )
 
     def law(self, thickness_mm: float) -> CornerFeed | None:
@@ -245,30 +200,24 @@ class Corners:
 class SmallHoles:
     """From which diameter on a hole is cut, what is done with smaller ones, and how fast small ones are cut."""
 
-    min_hole: ByThickness = field(
-        default=Thicknesses(1.0),
-        metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 500.0), "least diameter, or width, of a hole that is cut"),
+    min_hole: ByThickness = setting(
+        Thicknesses(1.0), likely(LENGTH_BY_THICKNESS, 0.0, 500.0), "least diameter, or width, of a hole that is cut"
     )
-    under: Under = field(
-        default="ask",
-        metadata=option(
-            Choice(("ask", "refuse", "spot", "skip")),
-            "a hole under min_hole, or without room for a pierce: ask, refuse the nest, mark its middle, leave it out",
-        ),
+    under: Under = setting(
+        "ask",
+        Choice(("ask", "refuse", "spot", "skip")),
+        "a hole under min_hole, or without room for a pierce: ask, refuse the nest, mark its middle, leave it out",
     )
-    full_feed_hole: ByThickness = field(
-        default=Thicknesses(5.0),
-        metadata=option(
-            likely(LENGTH_BY_THICKNESS, 0.0, 5000.0), "diameter from which on a hole is cut at the full cut feed"
-        ),
+    full_feed_hole: ByThickness = setting(
+        Thicknesses(5.0),
+        likely(LENGTH_BY_THICKNESS, 0.0, 5000.0),
+        "diameter from which on a hole is cut at the full cut feed",
     )
-    small_hole_feed: float = field(
-        default=1.0,
-        metadata=option(Number(0.05, 1), "share of the cut feed at min_hole; it rises in a line to full_feed_hole"),
+    small_hole_feed: float = setting(
+        1.0, Number(0.05, 1), "share of the cut feed at min_hole; it rises in a line to full_feed_hole"
     )
-    spot_size_mm: float = field(
-        default=2.0,
-        metadata=option(likely(positive(LENGTH), 0.05, 500.0), "size of the cross that marks the middle of a hole"),
+    spot_size_mm: float = setting(
+        2.0, likely(positive(LENGTH), 0.05, 500.0), "size of the cross that marks the middle of a hole"
     )
 
     def limits(self, thickness_mm: float, clearance_mm: float) -> HoleLimits:
@@ -290,13 +239,11 @@ class SmallHoles:
 class Nesting:
     """How `kerfwise nest` lays parts on sheets."""
 
-    web_mm: ByThickness = field(
-        default=Thicknesses(1.0),
-        metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 1000.0), "metal left between two parts; a kerf comes to it"),
+    web_mm: ByThickness = setting(
+        Thicknesses(1.0), likely(LENGTH_BY_THICKNESS, 0.0, 1000.0), "metal left between two parts; a kerf comes to it"
     )
-    edge_mm: ByThickness = field(
-        default=10.0,
-        metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 5000.0), "least distance of parts from the edge of the sheet"),
+    edge_mm: ByThickness = setting(
+        10.0, likely(LENGTH_BY_THICKNESS, 0.0, 5000.0), "least distance of parts from the edge of the sheet"
     )
 
 
@@ -307,21 +254,18 @@ _LEADS = Choice(("line", "arc", "none"))
 class LeadsSection:
     """How the torch joins and leaves a contour."""
 
-    entries: int = field(default=8, metadata=option(Number(1, 1000, whole=True), "entries tried on each contour"))
-    lead: LeadKind = field(default="line", metadata=option(_LEADS, "shape of the lead-in"))
-    lead_in_mm: ByThickness = field(
-        default=6.0,
-        metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 500.0), "length of the lead-in where there is room"),
+    entries: int = setting(8, Number(1, 1000, whole=True), "entries tried on each contour")
+    lead: LeadKind = setting("line", _LEADS, "shape of the lead-in")
+    lead_in_mm: ByThickness = setting(
+        6.0, likely(LENGTH_BY_THICKNESS, 0.0, 500.0), "length of the lead-in where there is room"
     )
-    lead_in_min_mm: float = field(default=1.0, metadata=option(LEAD, "shortest lead-in where there is not"))
-    lead_out: LeadKind = field(default="none", metadata=option(_LEADS, "shape of the lead-out"))
-    lead_out_length_mm: float = field(default=2.0, metadata=option(LEAD, "length of the lead-out"))
-    hole_overcut_mm: ByThickness = field(
-        default=1.0, metadata=option(likely(LENGTH_BY_THICKNESS, 0.0, 50.0), "how far a hole is cut past its entry")
+    lead_in_min_mm: float = setting(1.0, LEAD, "shortest lead-in where there is not")
+    lead_out: LeadKind = setting("none", _LEADS, "shape of the lead-out")
+    lead_out_length_mm: float = setting(2.0, LEAD, "length of the lead-out")
+    hole_overcut_mm: ByThickness = setting(
+        1.0, likely(LENGTH_BY_THICKNESS, 0.0, 50.0), "how far a hole is cut past its entry"
     )
-    edge_start: bool = field(
-        default=False, metadata=option(Flag(), "whether to come in from the sheet edge, unpierced, where that is near")
-    )
+    edge_start: bool = setting(False, Flag(), "whether to come in from the sheet edge, unpierced, where that is near")
 
 
 _LAYER = Text(pattern=True)
@@ -332,29 +276,23 @@ _LOOKS = Pairs(PURPOSES)
 class LayerMap:
     """What the layers of a drawing are for: regular expressions, searched without regard to case."""
 
-    cut: str = field(
-        default=LAYERS.cut, metadata=option(_LAYER, "layers that are cut; others are asked about, once given")
+    cut: str = setting(LAYERS.cut, _LAYER, "layers that are cut; others are asked about, once given")
+    mark: str = setting(LAYERS.mark, _LAYER, "layers that are marked, not cut through")
+    ignore: str = setting(LAYERS.ignore, _LAYER, "layers that are left out")
+    sheet: str = setting(LAYERS.sheet, _LAYER, "layers that hold the sheet")
+    scrap: str = setting(LAYERS.scrap, _LAYER, "layers of lines that cut up scrap")
+    bridge: str = setting(LAYERS.bridge, _LAYER, "layers of rectangles, each a bridge between two parts")
+    tab: str = setting(LAYERS.tab, _LAYER, "layers of short lines, each a tab of a part")
+    colour: tuple[tuple[str, Purpose], ...] = setting(
+        (), _LOOKS, "what lines of a colour are for, as in {red: cut, '#0000ff': mark}"
     )
-    mark: str = field(default=LAYERS.mark, metadata=option(_LAYER, "layers that are marked, not cut through"))
-    ignore: str = field(default=LAYERS.ignore, metadata=option(_LAYER, "layers that are left out"))
-    sheet: str = field(default=LAYERS.sheet, metadata=option(_LAYER, "layers that hold the sheet"))
-    scrap: str = field(default=LAYERS.scrap, metadata=option(_LAYER, "layers of lines that cut up scrap"))
-    bridge: str = field(
-        default=LAYERS.bridge, metadata=option(_LAYER, "layers of rectangles, each a bridge between two parts")
+    linetype: tuple[tuple[str, Purpose], ...] = setting(
+        (), _LOOKS, "what lines of a type are for, as in {dashed: mark, CENTER: ignore}"
     )
-    tab: str = field(default=LAYERS.tab, metadata=option(_LAYER, "layers of short lines, each a tab of a part"))
-    colour: tuple[tuple[str, Purpose], ...] = field(
-        default=(), metadata=option(_LOOKS, "what lines of a colour are for, as in {red: cut, '#0000ff': mark}")
-    )
-    linetype: tuple[tuple[str, Purpose], ...] = field(
-        default=(), metadata=option(_LOOKS, "what lines of a type are for, as in {dashed: mark, CENTER: ignore}")
-    )
-    bevel: tuple[tuple[str, Bevel], ...] = field(
-        default=(),
-        metadata=option(
-            BevelPairs(),
-            "layers (regular expressions) or colours whose closed lines have a bevel, as in {'^V45$': V 45 top}",
-        ),
+    bevel: tuple[tuple[str, Bevel], ...] = setting(
+        (),
+        BevelPairs(),
+        "layers (regular expressions) or colours whose closed lines have a bevel, as in {'^V45$': V 45 top}",
     )
 
 
@@ -362,53 +300,37 @@ class LayerMap:
 class DrawingSection:
     """How drawings of nests are read."""
 
-    units: str | None = field(
-        default=None,
-        metadata=option(
-            Choice(("auto", *UNITS), none="auto"), "units of the drawing (auto: what the file says, else that is asked)"
-        ),
+    units: str | None = setting(
+        None,
+        Choice(("auto", *UNITS), none="auto"),
+        "units of the drawing (auto: what the file says, else that is asked)",
     )
-    layers: LayerMap = field(
-        default=LayerMap(), metadata=option(Members(LayerMap), "what layers are for (regular expressions)")
+    layers: LayerMap = setting(LayerMap(), Members(LayerMap), "what layers are for (regular expressions)")
+    frame: FrameName | None = setting(
+        None,
+        Choice(("ask", *get_args(FrameName)), none="ask"),
+        "what one rectangle around everything is, where no layer is the sheet's",
     )
-    frame: FrameName | None = field(
-        default=None,
-        metadata=option(
-            Choice(("ask", *get_args(FrameName)), none="ask"),
-            "what one rectangle around everything is, where no layer is the sheet's",
-        ),
+    open_lines: OpenLines = setting(
+        "mark", Choice(get_args(OpenLines)), "what becomes of open lines on layers that layers.cut names"
     )
-    open_lines: OpenLines = field(
-        default="mark",
-        metadata=option(Choice(get_args(OpenLines)), "what becomes of open lines on layers that layers.cut names"),
+    scrap_lines: ScrapLines = setting(
+        "ignore", Choice(get_args(ScrapLines)), "what becomes of lines on layers that layers.scrap names"
     )
-    scrap_lines: ScrapLines = field(
-        default="ignore",
-        metadata=option(Choice(get_args(ScrapLines)), "what becomes of lines on layers that layers.scrap names"),
+    answers: Answers = setting((), AnswerPairs(), "answers to questions that drawings raise, as in {frame: sheet}")
+    quantity: str = setting(
+        QUANTITY,
+        Text(pattern=True, grouped=True),
+        "how names of blocks, layers and files say how many: the number is a group of it",
     )
-    answers: Answers = field(
-        default=(), metadata=option(AnswerPairs(), "answers to questions that drawings raise, as in {frame: sheet}")
+    margin_mm: float = setting(
+        10.0, likely(LENGTH, 0.0, 10_000.0), "room around the parts where the drawing has no sheet"
     )
-    quantity: str = field(
-        default=QUANTITY,
-        metadata=option(
-            Text(pattern=True, grouped=True),
-            "how names of blocks, layers and files say how many: the number is a group of it",
-        ),
-    )
-    margin_mm: float = field(
-        default=10.0,
-        metadata=option(likely(LENGTH, 0.0, 10_000.0), "room around the parts where the drawing has no sheet"),
-    )
-    join_tolerance_mm: float = field(
-        default=0.1, metadata=option(likely(positive(LENGTH), 1e-5, 50.0), "loose ends this near are joined")
-    )
-    refit_arcs_mm: float | None = field(
-        default=None,
-        metadata=option(
-            OrWord(likely(positive(LENGTH), 1e-5, 10.0), none="off"),
-            "flattened outlines become arcs again that stay this near to them",
-        ),
+    join_tolerance_mm: float = setting(0.1, likely(positive(LENGTH), 1e-5, 50.0), "loose ends this near are joined")
+    refit_arcs_mm: float | None = setting(
+        None,
+        OrWord(likely(positive(LENGTH), 1e-5, 10.0), none="off"),
+        "flattened outlines become arcs again that stay this near to them",
     )
 
 
@@ -416,38 +338,28 @@ class DrawingSection:
 class Distortion:
     """How far parts may be off when they are cold, by simulation."""
 
-    predict: bool = field(
-        default=False, metadata=option(Flag(), "solve predicts how far the parts will be off, and prints a line")
+    predict: bool = setting(False, Flag(), "solve predicts how far the parts will be off, and prints a line")
+    tolerance_mm: float | None = setting(
+        None,
+        OrWord(likely(positive(LENGTH), 1e-3, 500.0), none="off"),
+        "most that a part may be off; a part's key `tolerance` in the nest goes before it",
     )
-    tolerance_mm: float | None = field(
-        default=None,
-        metadata=option(
-            OrWord(likely(positive(LENGTH), 1e-3, 500.0), none="off"),
-            "most that a part may be off; a part's key `tolerance` in the nest goes before it",
-        ),
-    )
-    keep_tolerance: bool = field(
-        default=False, metadata=option(Flag(), "solve refuses a plan that leaves a part beyond its tolerance")
-    )
+    keep_tolerance: bool = setting(False, Flag(), "solve refuses a plan that leaves a part beyond its tolerance")
 
 
 @dataclass(frozen=True, slots=True)
 class Objective:
     """What a plan's cost is made of, in mm of idle travel."""
 
-    idle: float = field(default=1.0, metadata=option(Number(0), "cost of a millimetre of idle travel"))
-    heat: float = field(default=0.0, metadata=option(Number(0), "cost of a point overheated"))
-    time: float = field(default=0.0, metadata=option(Number(0), "cost of a second of idle travel, piercing or leads"))
-    completion: float = field(
-        default=0.0,
-        metadata=option(
-            Number(0),
-            "cost of a second that a part waits, for each class of parts (priority, due) that may wait longer",
-        ),
+    idle: float = setting(1.0, Number(0), "cost of a millimetre of idle travel")
+    heat: float = setting(0.0, Number(0), "cost of a point overheated")
+    time: float = setting(0.0, Number(0), "cost of a second of idle travel, piercing or leads")
+    completion: float = setting(
+        0.0,
+        Number(0),
+        "cost of a second that a part waits, for each class of parts (priority, due) that may wait longer",
     )
-    distortion: float = field(
-        default=0.0, metadata=option(Number(0), "cost of a mm that parts are off, mean of their worst places")
-    )
+    distortion: float = setting(0.0, Number(0), "cost of a mm that parts are off, mean of their worst places")
 
 
 def named_in_group(group: Any, names: Collection[str]) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import resources
 from itertools import pairwise
@@ -15,7 +15,7 @@ import yaml
 
 from kerfwise.encoder.nearest_name import unknown
 from kerfwise.rules.options.kind import Choice, Number, OptionKind, Text, Unfit
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import ACCELERATION, CUT_FEED, LENGTH, SPEED, likely, positive
 
 # Cutting feed by the length of the program: how fast a machine really cuts when its program has n blocks.
@@ -315,18 +315,15 @@ _MODELS = Choice(("constant", "blocks", "acceleration"))
 class Time:
     """How the time of a program is computed: at constant feeds, by its number of blocks, or with acceleration."""
 
-    model: TimeModel = field(
-        default="constant", metadata=option(_MODELS, "constant feeds, feed by NC blocks, or limited acceleration")
+    model: TimeModel = setting("constant", _MODELS, "constant feeds, feed by NC blocks, or limited acceleration")
+    feed_by_blocks: FeedLaw | None = setting(
+        None, LawKind(), "feed law of the model blocks: a shipped one's name, or one's own"
     )
-    feed_by_blocks: FeedLaw | None = field(
-        default=None, metadata=option(LawKind(), "feed law of the model blocks: a shipped one's name, or one's own")
+    acceleration_mm_s2: float = setting(
+        1000.0, likely(ACCELERATION, 1.0, 1e6), "of the axes, for the model acceleration"
     )
-    acceleration_mm_s2: float = field(
-        default=1000.0, metadata=option(likely(ACCELERATION, 1.0, 1e6), "of the axes, for the model acceleration")
-    )
-    corner_deviation_mm: float = field(
-        default=0.05,
-        metadata=option(likely(positive(LENGTH), 1e-4, 50.0), "how far a corner may be rounded to take it faster"),
+    corner_deviation_mm: float = setting(
+        0.05, likely(positive(LENGTH), 1e-4, 50.0), "how far a corner may be rounded to take it faster"
     )
 
     def quicker_than_its_words(self, cut_feed_mm_s: float) -> Iterator[str]:

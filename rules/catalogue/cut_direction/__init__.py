@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, cast
 
 from kerfwise.encoder.cut import CutSequence, Direction
 from kerfwise.encoder.nest import Kind, Nest
 from kerfwise.rules.options.kind import Choice
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import Forbid
 
@@ -26,11 +26,9 @@ SPOKEN: dict[Direction, str] = {"cw": "clockwise", "ccw": "counter-clockwise"}
 class CutDirectionOptions:
     """Which way round each kind of contour is cut."""
 
-    outer: WayRound = field(default="free", metadata=option(WAYS, "direction of outer contours"))
-    hole: WayRound = field(default="free", metadata=option(WAYS, "direction of holes"))
-    mark: WayRound = field(
-        default="free", metadata=option(WAYS, "direction of marks (of an open one: ccw is along the line as drawn)")
-    )
+    outer: WayRound = setting("free", WAYS, "direction of outer contours")
+    hole: WayRound = setting("free", WAYS, "direction of holes")
+    mark: WayRound = setting("free", WAYS, "direction of marks (of an open one: ccw is along the line as drawn)")
 
     def allowed(self, kind: Kind) -> tuple[Direction, ...]:
         """The directions that a kind of contour may be cut in."""

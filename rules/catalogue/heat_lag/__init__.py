@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +12,7 @@ import shapely
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.rules.options.kind import Number
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import DURATION, LENGTH, likely
 from kerfwise.rules.rule import Plant, Rule, RuleSetting, Violation
 from kerfwise.rules.statements import Lag
@@ -29,11 +29,9 @@ ROUNDING_MM = 1e-6
 class HeatLagOptions:
     """How far heat reaches, and how long the metal takes to cool."""
 
-    heat_radius_mm: float = field(
-        default=50.0, metadata=option(likely(LENGTH, 0.0, 10_000.0), "contours nearer than this heat each other")
-    )
-    lag_cuts: int = field(default=1, metadata=option(Number(0, whole=True), "cuts between two such contours"))
-    lag_s: float = field(default=0.0, metadata=option(likely(DURATION, 0.0, 7200.0), "time between two such contours"))
+    heat_radius_mm: float = setting(50.0, likely(LENGTH, 0.0, 10_000.0), "contours nearer than this heat each other")
+    lag_cuts: int = setting(1, Number(0, whole=True), "cuts between two such contours")
+    lag_s: float = setting(0.0, likely(DURATION, 0.0, 7200.0), "time between two such contours")
 
 
 class HeatLag(Rule[HeatLagOptions]):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +16,7 @@ from kerfwise.encoder.nest import Contour, Nest, Part
 from kerfwise.encoder.torch_path import LONGEST_MM, Axis, TabChoice, TabOptions
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Choice, Number
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import LENGTH, likely, positive
 from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import Forbid
@@ -38,33 +38,22 @@ PLACE_MM = 0.5
 class HoldSmallPartsOptions:
     """Which parts have tabs, and of what kind; the kerf, the process and the locks are the profile's."""
 
-    tabs: TabChoice = field(
-        default="tipping",
-        metadata=option(
-            Choice(("tipping", "all", "nest")),
-            "which parts have tabs: those that may tip, all, or only those with tabs in the nest's file",
-        ),
+    tabs: TabChoice = setting(
+        "tipping",
+        Choice(("tipping", "all", "nest")),
+        "which parts have tabs: those that may tip, all, or only those with tabs in the nest's file",
     )
-    width_mm: float = field(
-        default=1.0,
-        metadata=option(likely(positive(LENGTH), 0.01, 100.0), "metal that a tab leaves, between the ends of the kerf"),
+    width_mm: float = setting(
+        1.0, likely(positive(LENGTH), 0.01, 100.0), "metal that a tab leaves, between the ends of the kerf"
     )
-    count: int = field(
-        default=2,
-        metadata=option(
-            Number(1, 20, whole=True), "tabs of a part that a laser cuts; all others leave one, at the end"
-        ),
+    count: int = setting(
+        2, Number(1, 20, whole=True), "tabs of a part that a laser cuts; all others leave one, at the end"
     )
-    corner_mm: float = field(
-        default=3.0,
-        metadata=option(
-            likely(LENGTH, 0.0, 500.0), "how far from a tab its contour is straight, beyond the kerf's ends"
-        ),
+    corner_mm: float = setting(
+        3.0, likely(LENGTH, 0.0, 500.0), "how far from a tab its contour is straight, beyond the kerf's ends"
     )
-    slat_pitch_mm: float = field(
-        default=60.0, metadata=option(likely(positive(LENGTH), 1.0, 5000.0), "from one slat to the next")
-    )
-    slats: Axis = field(default="y", metadata=option(Choice(("x", "y")), "the axis that the slats run along"))
+    slat_pitch_mm: float = setting(60.0, likely(positive(LENGTH), 1.0, 5000.0), "from one slat to the next")
+    slats: Axis = setting("y", Choice(("x", "y")), "the axis that the slats run along")
     kerf_mm: float = 1.5
     process: str = "plasma"
     locks: tuple[Lock, ...] = ()

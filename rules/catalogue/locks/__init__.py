@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from kerfwise.encoder.cut import CutSequence, Tab
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Ids, Nest
 from kerfwise.rules.lock import Lock, check_locks
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import LENGTH, likely
 from kerfwise.rules.options.yaml_positions import wrong_at
 from kerfwise.rules.rule import Plant, Rule, RuleSetting, Violation
@@ -25,9 +25,7 @@ if TYPE_CHECKING:
 class LocksOptions:
     """`locks` come from the profile's own key of that name."""
 
-    entry_tolerance_mm: float = field(
-        default=0.5, metadata=option(likely(LENGTH, 0.0, 1000.0), "an entry this near to the locked one is it")
-    )
+    entry_tolerance_mm: float = setting(0.5, likely(LENGTH, 0.0, 1000.0), "an entry this near to the locked one is it")
     locks: tuple[Lock, ...] = ()
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.options.kind import Choice
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.rule import Rule, Violation
 from kerfwise.rules.statements import Contiguous, Precede
 
@@ -23,11 +23,8 @@ WHY = "marks made after metal is cut through are out of place"
 class MarksFirstOptions:
     """How far the rule reaches."""
 
-    scope: Literal["sheet", "part"] = field(
-        default="sheet",
-        metadata=option(
-            Choice(("sheet", "part")), "marks before the first cut of the whole sheet, or of their own part"
-        ),
+    scope: Literal["sheet", "part"] = setting(
+        "sheet", Choice(("sheet", "part")), "marks before the first cut of the whole sheet, or of their own part"
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
@@ -11,7 +11,7 @@ from kerfwise.encoder.display import first_and_last
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.holding import clusters, holding, island_cuts
 from kerfwise.rules.options.kind import Number
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.rule import Forced, Rule, Violation
 from kerfwise.rules.statements import AtLeast, Before, Literal
 
@@ -28,11 +28,8 @@ NEAR_MM = 0.5
 class NoIslandsOptions:
     """What holds uncut parts together; the bands are those of part-rigidity and start-side."""
 
-    frame_share: float = field(
-        default=0.1,
-        metadata=option(
-            Number(0, 1), "a part hangs on the frame if this much of its contour faces solid metal or the sheet's edge"
-        ),
+    frame_share: float = setting(
+        0.1, Number(0, 1), "a part hangs on the frame if this much of its contour faces solid metal or the sheet's edge"
     )
     web_mm: float = 25.0
     edge_band_mm: float = 25.0

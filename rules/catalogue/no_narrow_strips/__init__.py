@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.display import first_and_last
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kind import Number
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import LENGTH, likely
 from kerfwise.rules.rule import Forced, NoGoodIds, Rule, Violation
 from kerfwise.rules.statements import Statement
@@ -25,12 +25,9 @@ if TYPE_CHECKING:
 class NoNarrowStripsOptions:
     """What is narrow; `web_mm` is that of part-rigidity, `thickness_mm` the sheet's."""
 
-    strip_mm: float = field(
-        default=60.0, metadata=option(likely(LENGTH, 0.0, 10_000.0), "metal narrower than this is a strip")
-    )
-    strip_thicknesses: float = field(
-        default=3.0,
-        metadata=option(Number(0, 1000), "and so is metal narrower than this many thicknesses of the sheet"),
+    strip_mm: float = setting(60.0, likely(LENGTH, 0.0, 10_000.0), "metal narrower than this is a strip")
+    strip_thicknesses: float = setting(
+        3.0, Number(0, 1000), "and so is metal narrower than this many thicknesses of the sheet"
     )
     web_mm: float = 25.0
     thickness_mm: float = 6.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from kerfwise.encoder.cut import CutSequence
@@ -12,7 +12,7 @@ from kerfwise.encoder.nest import Contour, Ids, Nest, Part
 from kerfwise.rules.catalogue.marks_first import MarksFirst, MarksFirstOptions
 from kerfwise.rules.expression.over_cuts import interrupted
 from kerfwise.rules.options.kind import Choice
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import Contiguous, Precede
 
@@ -24,9 +24,8 @@ if TYPE_CHECKING:
 class PartContiguousOptions:
     """What belongs to the run of a part."""
 
-    marks: Literal["apart", "together"] = field(
-        default="apart",
-        metadata=option(Choice(("apart", "together")), "whether a part's marks belong to its run of cuts"),
+    marks: Literal["apart", "together"] = setting(
+        "apart", Choice(("apart", "together")), "whether a part's marks belong to its run of cuts"
     )
 
 

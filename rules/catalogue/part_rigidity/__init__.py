@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -13,7 +13,7 @@ from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.facing import rigid_at_best, rigid_at_the_end
 from kerfwise.rules.options.kind import Number
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import LENGTH, WEIGHT, likely
 from kerfwise.rules.rule import Forced, Rule, Strength, Violation
 from kerfwise.rules.statements import About, AtLeast, Before
@@ -32,21 +32,14 @@ WAYS = {"cw": "clockwise", "ccw": "counter-clockwise"}
 class PartRigidityOptions:
     """What holds a part while it is cut; `edge_band_mm` is that of the rule start-side."""
 
-    rigid_min: float = field(
-        default=0.6, metadata=option(SHARE, "least share of the last stretch of a cut that faces metal still in")
+    rigid_min: float = setting(0.6, SHARE, "least share of the last stretch of a cut that faces metal still in")
+    tail_share: float = setting(0.25, SHARE, "the last stretch, as a share of the contour")
+    head_share: float = setting(0.25, SHARE, "the first stretch, as a share of the contour")
+    head_rigid_max: float = setting(0.5, SHARE, "most of the first stretch that should face metal still in")
+    head_weight_mm: float = setting(
+        25.0, WEIGHT, "cost of a first stretch that faces more, in idle travel (0: it may face any)"
     )
-    tail_share: float = field(default=0.25, metadata=option(SHARE, "the last stretch, as a share of the contour"))
-    head_share: float = field(default=0.25, metadata=option(SHARE, "the first stretch, as a share of the contour"))
-    head_rigid_max: float = field(
-        default=0.5, metadata=option(SHARE, "most of the first stretch that should face metal still in")
-    )
-    head_weight_mm: float = field(
-        default=25.0,
-        metadata=option(WEIGHT, "cost of a first stretch that faces more, in idle travel (0: it may face any)"),
-    )
-    web_mm: float = field(
-        default=25.0, metadata=option(likely(LENGTH, 0.0, 10_000.0), "a part this near is a neighbour")
-    )
+    web_mm: float = setting(25.0, likely(LENGTH, 0.0, 10_000.0), "a part this near is a neighbour")
     edge_band_mm: float = 25.0
 
 

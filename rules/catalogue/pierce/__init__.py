@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +13,7 @@ import shapely
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.judging.pierces import PiercePlaces, leads_over_holes, leads_over_older_kerfs, starts_in_older_kerfs
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import LENGTH_BY_THICKNESS, likely
 from kerfwise.rules.rule import Plant, Rule, RuleSetting, Strength, Violation
 from kerfwise.rules.statements import AtLeast, Before, Pick
@@ -30,18 +30,13 @@ class PierceOptions:
     With `common_cuts` (cuts.common of the profile) a cut may begin in the kerf of a part with a common edge.
     """
 
-    clearance_mm: float = field(
-        default=1.5,
-        metadata=option(
-            likely(LENGTH_BY_THICKNESS, 0.0, 200.0),
-            "least distance from a pierce to every contour, more than half the kerf",
-        ),
+    clearance_mm: float = setting(
+        1.5,
+        likely(LENGTH_BY_THICKNESS, 0.0, 200.0),
+        "least distance from a pierce to every contour, more than half the kerf",
     )
-    splash_mm: float = field(
-        default=0.5,
-        metadata=option(
-            likely(LENGTH_BY_THICKNESS, 0.0, 100.0), "metal between the hole of a pierce and the kerf of an older cut"
-        ),
+    splash_mm: float = setting(
+        0.5, likely(LENGTH_BY_THICKNESS, 0.0, 100.0), "metal between the hole of a pierce and the kerf of an older cut"
     )
     kerf_mm: float = 1.5
     common_cuts: bool = False

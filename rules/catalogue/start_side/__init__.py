@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -14,7 +14,7 @@ from kerfwise.encoder.cut import CutSequence, Side
 from kerfwise.encoder.geometry.segment import Box
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kind import Choice, Number
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import LENGTH, likely
 from kerfwise.rules.rule import Rule, Strength, Violation
 from kerfwise.rules.statements import Statement
@@ -32,22 +32,15 @@ ON_LINE_MM = 1e-6
 class StartSideOptions:
     """How the side is found; `side` fixes it."""
 
-    side: Side | Literal["auto"] = field(
-        default="auto",
-        metadata=option(
-            Choice(("auto", "left", "right", "bottom", "top")), "the side to start from (auto: by the rule)"
-        ),
+    side: Side | Literal["auto"] = setting(
+        "auto", Choice(("auto", "left", "right", "bottom", "top")), "the side to start from (auto: by the rule)"
     )
-    edge_band_mm: float = field(
-        default=25.0,
-        metadata=option(likely(LENGTH, 0.0, 10_000.0), "a long part this near to a narrow side lies at it"),
+    edge_band_mm: float = setting(
+        25.0, likely(LENGTH, 0.0, 10_000.0), "a long part this near to a narrow side lies at it"
     )
-    long_ratio: float = field(
-        default=4.0, metadata=option(Number(1), "a part is long when one side is this many times the other")
-    )
-    offcut_share: float = field(
-        default=0.15,
-        metadata=option(Number(0, 1), "an empty strip along a side is a large offcut over this share of the sheet"),
+    long_ratio: float = setting(4.0, Number(1), "a part is long when one side is this many times the other")
+    offcut_share: float = setting(
+        0.15, Number(0, 1), "an empty strip along a side is a large offcut over this share of the sheet"
     )
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kerfwise.encoder.cut import CutSequence, HotSpot
 from kerfwise.encoder.nest import Nest
 from kerfwise.rules.options.kind import Flag
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import DURATION, TEMPERATURE, OrWord, likely
 from kerfwise.rules.rule import Plant, Rule, RuleSetting, TemperatureLimit, Violation
 from kerfwise.rules.statements import Statement
@@ -22,16 +22,11 @@ if TYPE_CHECKING:
 class TMaxOptions:
     """How hot metal may become, and whether the torch may wait for it to cool; `heat_limit_c` is `heat.limit_c`."""
 
-    limit_c: float | None = field(
-        default=None,
-        metadata=option(
-            OrWord(likely(TEMPERATURE, -50.0, 3000.0), "auto"), "no metal becomes hotter (auto: `heat.limit_c`)"
-        ),
+    limit_c: float | None = setting(
+        None, OrWord(likely(TEMPERATURE, -50.0, 3000.0), "auto"), "no metal becomes hotter (auto: `heat.limit_c`)"
     )
-    dwells: bool = field(
-        default=False, metadata=option(Flag(), "whether the torch may wait over a pierce for metal to cool")
-    )
-    longest_dwell_s: float = field(default=60.0, metadata=option(likely(DURATION, 0.0, 3600.0), "longest such wait"))
+    dwells: bool = setting(False, Flag(), "whether the torch may wait over a pierce for metal to cool")
+    longest_dwell_s: float = setting(60.0, likely(DURATION, 0.0, 3600.0), "longest such wait")
     heat_limit_c: float = 115.0
 
     @property

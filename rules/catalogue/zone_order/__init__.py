@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ from kerfwise.encoder.nest import Contour, Ids, Nest
 from kerfwise.rules.judging.metal import host_holes
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.options.kind import Number
-from kerfwise.rules.options.option import option
+from kerfwise.rules.options.option import setting
 from kerfwise.rules.options.quantities import ENERGY, OrWord, likely, positive
 from kerfwise.rules.rule import Forced, Rule, Strength, Violation
 from kerfwise.rules.statements import About, Precede
@@ -26,22 +26,16 @@ if TYPE_CHECKING:
 class ZoneOrderOptions:
     """How the sheet is divided into zones; the last two are `heat.absorbed_power_w` and the profile's locks."""
 
-    zone_contours: int | None = field(
-        default=None,
-        metadata=option(
-            OrWord(Number(1, whole=True), "auto"),
-            "contours in a zone, about, marks aside (auto: as many as a proof bears)",
-        ),
+    zone_contours: int | None = setting(
+        None,
+        OrWord(Number(1, whole=True), "auto"),
+        "contours in a zone, about, marks aside (auto: as many as a proof bears)",
     )
-    square_ratio: float = field(
-        default=1.25,
-        metadata=option(
-            Number(1), "long side by short side of what is left, over which zones come off the start side only"
-        ),
+    square_ratio: float = setting(
+        1.25, Number(1), "long side by short side of what is left, over which zones come off the start side only"
     )
-    zone_heat_kj: float | None = field(
-        default=None,
-        metadata=option(OrWord(likely(positive(ENERGY), 1e-3, 1e7), "off"), "how much heat may go into one zone"),
+    zone_heat_kj: float | None = setting(
+        None, OrWord(likely(positive(ENERGY), 1e-3, 1e7), "off"), "how much heat may go into one zone"
     )
     absorbed_power_w: float = 1300.0
     locks: tuple[Lock, ...] = ()
