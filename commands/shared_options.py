@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from kerfwise.encoder.errors import InputError, RuleFault, RulesConflict
+from kerfwise.encoder.errors import InputError, RuleFault, RulesConflict, ToolFault
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.questions import Question, Questions
 from kerfwise.encoder.readers.read import SUFFIXES
@@ -111,8 +111,8 @@ def _naming_the_nest(verb: Verb) -> Verb:
             if error.file == escape_text(Path(options["nest"]).name) != options["nest"]:  # as the user wrote it
                 place = {"line": error.line, "column": error.column}
                 raise InputError(error.message, file=options["nest"], details=error.details, **place) from error
-            # What an option says stands in no file, and what is wrong with an installed package in none of the nest's.
-            if error.file is not None or error.message.startswith("-") or isinstance(error, RuleFault):
+            # What an option says stands in no file, and what is wrong with what is installed in none of the nest's.
+            if error.file is not None or error.message.startswith("-") or isinstance(error, RuleFault | ToolFault):
                 raise
             raise InputError(error.message, file=options["nest"], details=error.details) from error
         except RulesConflict as error:

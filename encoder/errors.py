@@ -88,6 +88,10 @@ class RuleFault(InputError):
     """A rule that a plant has brought has gone wrong: its author is to mend it. The exception itself is the cause."""
 
 
+class ToolFault(InputError):
+    """A program that kerfwise calls is missing or does not work, whatever the nest is."""
+
+
 class Naming:
     """A block in which a rule is at work: exceptions that nobody foresaw say which, and where in its file.
 

@@ -458,7 +458,7 @@ def ways_on(limits: SolveOptions, engine: Engine, relaxed: bool, proven: bool = 
     Examples
     --------
     >>> ways_on(SolveOptions(time_s=3.0), "portfolio", True)[0]
-    'tried: all engines for 3 s, with the cheapest hard rules relaxed'
+    'tried: all engines within 3 s, with the cheapest hard rules relaxed'
     >>> ways_on(SolveOptions(work=0.5), "portfolio", True)[1]
     'try: --work 4, which counts work and not the clock (in Python work=4)'
     """
@@ -476,4 +476,4 @@ def ways_on(limits: SolveOptions, engine: Engine, relaxed: bool, proven: bool = 
         tries.append("all engines, without --engine (in Python engine=)")
     if not relaxed:
         tries.append(f"or {RELAXING}")
-    return f"tried: {who} for {spent}, {looked}", f"try: {'; '.join(tries)}"
+    return f"tried: {who} within {spent}, {looked}", f"try: {'; '.join(tries)}"

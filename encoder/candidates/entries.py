@@ -123,6 +123,8 @@ def _left(v: Floats) -> Floats:
 
 CORNER_RAD = math.radians(30)
 """A contour that turns by no more has no corner there."""
+STRAIGHT_RAD = math.radians(1)
+"""Straight pieces that turn by less, all together, are one edge."""
 TIED_MM, TIED_RAD = 1e-6, 1e-9
 """What differs by less is equal: where a drawing lies on the sheet must not tell which entry is better."""
 
@@ -145,17 +147,45 @@ def places(outlines: Sequence[Outline], count: int) -> tuple[Floats, Ranks, Ints
     right = np.array([outline.right for outline in outlines])[of]
     tilted = np.array([outline.contour.bevelled for outline in outlines])[of]
     corners = np.flatnonzero((drawn.turn_rad * right > CORNER_RAD + TIED_RAD) & ~tilted)
-    length_mm = drawn.starts_mm[k + 1] - drawn.starts_mm[k]
-    edges = np.flatnonzero((drawn.bulge == 0) & (length_mm > around_mm[of] / (8 * count) + TIED_MM))
+    length_mm = _edges_mm(drawn, drawn.starts_mm[k + 1] - drawn.starts_mm[k])
+    edges = np.flatnonzero(length_mm > around_mm[of] / (8 * count) + TIED_MM)
     groups = [
         drawn.starts_mm[k[corners] + 1] % around_mm[of[corners]],
-        drawn.starts_mm[k[edges]] + length_mm[edges] / 2,
+        (drawn.starts_mm[k[edges]] + length_mm[edges] / 2) % around_mm[of[edges]],
         (around_mm[:, None] * (np.arange(4 * count) + 0.5) / (4 * count)).ravel(),
     ]
     whose = np.concatenate([of[corners], of[edges], np.repeat(each, 4 * count)])
     order = np.argsort(whose, kind="stable")
     ranks = np.repeat([CORNER, MIDDLE, ANYWHERE], [len(g) for g in groups])
     return np.concatenate(groups)[order], ranks[order], whose[order]
+
+
+def _edges_mm(drawn: SegmentArrays, length_mm: Floats) -> Floats:
+    """Array (n,): how long the straight edge is that begins with each segment; 0 where none begins.
+
+    A long edge may be drawn, or compensated, in several pieces that hardly turn.
+    """
+    straight, after = drawn.bulge == 0, drawn.following
+    goes_on = straight & straight[after] & (np.abs(drawn.turn_rad) < STRAIGHT_RAD)
+    edge_mm = np.where(straight, length_mm, 0.0)
+    if not goes_on.any():
+        return edge_mm
+    begins = np.ones(len(drawn), np.bool_)
+    begins[after[goes_on]] = False
+    for first, last in zip(drawn.first[:-1].tolist(), drawn.first[1:].tolist(), strict=True):
+        if not goes_on[first:last].any():
+            continue
+        start = first + int(np.argmax(begins[first:last]))
+        edge, turned_rad = start, 0.0
+        for k in (*range(start + 1, last), *range(first, start)):
+            before = k - 1 if k > first else last - 1
+            turned_rad += float(drawn.turn_rad[before])
+            if goes_on[before] and abs(turned_rad) < STRAIGHT_RAD:
+                edge_mm[edge] += edge_mm[k]
+                edge_mm[k] = 0.0
+            else:
+                edge, turned_rad = k, 0.0
+    return edge_mm
 
 
 def choose(at_mm: Floats, ranks: Ranks, around_mm: float, count: int, taken_mm: Floats) -> list[int]:

@@ -67,7 +67,7 @@ def laid_out(root: Element) -> Seen:
     return seen
 
 
-_OTHER = "of a <switch>, or for another language or viewer"
+_OTHER = "of a <switch>, or for another viewer or language than English"
 
 
 def _only_what_applies(parent: Element, seen: Seen) -> None:

@@ -307,7 +307,6 @@ def with_kept(text: str, answers: Answers, file: str) -> str:
     --------
     >>> print(with_kept("quantity: 4  # sheets\\n", (("frame", "sheet"),), "plate.job.yaml"), end="")
     quantity: 4  # sheets
-    <BLANKLINE>
     answers: {"frame": "sheet"}
     """
     job = job_of(text, file) if text.strip() else Job()

@@ -15,7 +15,7 @@ from math import inf
 from pathlib import Path
 from typing import TypeAlias
 
-from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.errors import InputError, ToolFault
 from kerfwise.encoder.escape import escape_text
 from kerfwise.rules.minizinc.installation import (
     HOW_TO_INSTALL,
@@ -80,7 +80,7 @@ def minizinc_program() -> str:
     """
     program = found_program()
     if program is None:
-        raise InputError(f"rules in model files need MiniZinc: {HOW_TO_INSTALL}")
+        raise ToolFault(f"rules in model files need MiniZinc: {HOW_TO_INSTALL}")
     expect_usable(program)
     return program
 

@@ -18,7 +18,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from kerfwise.encoder.errors import InputError
+from kerfwise.encoder.errors import ToolFault
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.nearest_name import unknown
 
@@ -44,9 +44,9 @@ _HOW_TO_REPAIR = (
 )
 
 
-def unusable(program: str, what: str) -> InputError:
+def unusable(program: str, what: str) -> ToolFault:
     """The error that says what is wrong with a MiniZinc that was found, and what to do."""
-    return InputError(f"the MiniZinc at {escape_text(program)} cannot be used: {what}; {_HOW_TO_REPAIR}")
+    return ToolFault(f"the MiniZinc at {escape_text(program)} cannot be used: {what}; {_HOW_TO_REPAIR}")
 
 
 def found_program() -> str | None:
@@ -262,7 +262,7 @@ def driver() -> Driver:
         except Exception as error:  # the program has changed meanwhile, or one of another place is broken
             raise unusable(program or "minizinc", f"it fails ({type(error).__name__}: {error})") from None
     if minizinc.default_driver is None:
-        raise InputError(HOW_TO_INSTALL)
+        raise ToolFault(HOW_TO_INSTALL)
     return minizinc.default_driver
 
 
@@ -274,7 +274,7 @@ def solver_named(name: str) -> Solver:
     """
     ready = _ready()
     if name not in ready:
-        raise InputError(f"MiniZinc here: {unknown('solver', name, {s.name for s in installed_solvers()})}")
+        raise ToolFault(f"MiniZinc here: {unknown('solver', name, {s.name for s in installed_solvers()})}")
     chosen = ready[name]
     expect_solving(str(driver().executable), str(chosen.id))
     return chosen

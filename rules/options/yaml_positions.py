@@ -351,13 +351,17 @@ def _end(node: yaml.Node) -> int:
 
 
 def _added(text: str, node: yaml.MappingNode, path: Sequence[str], value: str) -> str:
-    """The key before the first one of a mapping; at the end of the text where that is the whole."""
+    """The key before the first one of a mapping; at the end of the text where that is the whole.
+
+    There an empty line parts it from what stands before, where empty lines part other keys too.
+    """
     if node.flow_style:
         at = node.start_mark.index + 1
         return f"{text[:at]}{_flow(path, value)}, {text[at:]}"
     first = node.value[0][0].start_mark
     if first.column == 0:
-        return f"{text.rstrip()}\n\n{_block(path, value, 0)}\n"
+        apart = "\n" if re.search(r"\n[ \t]*\n", text.rstrip()) else ""
+        return f"{text.rstrip()}\n{apart}{_block(path, value, 0)}\n"
     line = first.index - first.column
     return f"{text[:line]}{_block(path, value, first.column)}\n{text[line:]}"
 

@@ -32,6 +32,13 @@ def test_a_solver_without_its_engine_is_refused(named: tuple[str, ...]) -> None:
     assert "--solver is for --engine minizinc" in done.output
 
 
+@pytest.mark.minizinc
+def test_what_minizinc_lacks_is_no_fault_of_the_nest() -> None:
+    nest = str(Path(__file__).parents[2] / "examples" / "nests" / "e1x_6.json")
+    done = kerfwise("solve", nest, "--engine", "minizinc", "--solver", "gecod")
+    assert done.err.startswith("kerfwise: MiniZinc here: unknown solver 'gecod'")
+
+
 def test_python_refuses_a_solver_without_its_engine() -> None:
     nest = Path(__file__).parents[2] / "examples" / "nests" / "e1x_6.dxf"
     with pytest.raises(InputError, match="the solver chuffed is for the engine minizinc"):

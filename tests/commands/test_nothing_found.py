@@ -42,7 +42,7 @@ def advised(done: Ended, advice: str) -> list[str]:
 
 def test_the_advice_after_nothing_was_found_leads_to_a_plan(base: tuple[object, ...]) -> None:
     done = kerfwise(*base, "--work", "0.001")
-    assert "\n  tried: all engines for work 0.001, then for a contradiction among the hard rules" in done.err
+    assert "\n  tried: all engines within work 0.001, then for a contradiction among the hard rules" in done.err
     assert advised(done, RELAX) == ["--relax"]
     followed = kerfwise(*base, *advised(done, WORK))
     assert followed.code == 0, followed.err
@@ -62,7 +62,7 @@ def test_with_rules_relaxed_there_is_a_plan(base: tuple[object, ...]) -> None:
 @pytest.mark.slow
 def test_a_longer_time_limit_leads_to_a_plan(base: tuple[object, ...]) -> None:
     done = kerfwise(*base, "--time-limit", "0.01")
-    assert "\n  tried: all engines for 0.01 s, then for a contradiction among the hard rules" in done.err
+    assert "\n  tried: all engines within 0.01 s, then for a contradiction among the hard rules" in done.err
     for _ in range(4):
         if (done := kerfwise(*base, *advised(done, LIMIT))).code == 0:
             break

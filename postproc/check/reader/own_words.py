@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
+from itertools import chain
 from string import Formatter
 
 from kerfwise.encoder.errors import InputError
@@ -91,8 +92,20 @@ def _of_another_control(dialect: Dialect, control: Control) -> dict[str, object]
     meant = _m_words(" ".join(known for _, known in dialect.reads.means)) if dialect.reads is not None else set()
     if meant.isdisjoint((*control.starts, *control.stops)):
         return {}
-    written = replace(dialect, reads=None, also=(), assumes={}, verified_by=(), no_marking=None)
-    return {"foreign": control.known_m - HALTS - ENDS - _m_words(repr(written)), "also": ()}
+    written = " ".join(
+        _texts(replace(dialect, name="", title="", reads=None, also=(), verified_by=(), no_marking=None))
+    )
+    return {"foreign": control.known_m - HALTS - ENDS - _m_words(written), "also": ()}
+
+
+def _texts(value: object) -> Iterator[str]:
+    """The texts that a field's value holds."""
+    if isinstance(value, str):
+        yield value
+    elif is_dataclass(value):
+        yield from chain.from_iterable(_texts(getattr(value, one.name)) for one in fields(value))
+    elif isinstance(value, tuple):
+        yield from chain.from_iterable(map(_texts, value))
 
 
 def _m_words(text: str) -> set[float]:

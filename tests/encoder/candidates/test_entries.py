@@ -57,6 +57,16 @@ def test_then_come_the_middles_of_edges() -> None:
     assert points(outline(circle(0, 0, 9)), MIDDLE) == set()
 
 
+def test_a_long_edge_in_pieces_that_hardly_turn_is_one() -> None:
+    bowed: Rows = [(40, 0), (40, 20), (0, 20), (0, 0), (7, -0.02), (20, -0.03), (33, -0.02)]
+    middles = {(40, 10), (20, 20), (0, 10)}
+    for begun in range(len(bowed)):
+        rows = [*bowed[begun:], *bowed[:begun]]
+        assert points(outline(rows), MIDDLE) == points(outline(rows, over=True), MIDDLE) == middles | {(20, -0.03)}
+    turned = [(round(20 * math.sin(a), 9), round(20 * math.cos(a), 9)) for a in map(math.radians, range(0, -360, -1))]
+    assert points(outline(turned), MIDDLE) == set()
+
+
 def test_entries_are_spread_even_where_corners_crowd() -> None:
     at_mm, ranks = np.array([0.0, 1.0, 2.0, 3.0, 50.0]), np.array([CORNER] * 4 + [MIDDLE])
     assert choose(at_mm, ranks, 100.0, 4, np.zeros(0)) == [0, 4]

@@ -145,7 +145,10 @@ def test_what_a_nested_page_cuts_off_is_asked_about(tmp_path: Path) -> None:
 def test_what_is_for_another_language_is_told(tmp_path: Path) -> None:
     body = '<switch><rect systemLanguage="de" x="20" y="15" width="5" height="5"/><g/><rect width="9"/></switch>'
     told = [note.text for note in read(tmp_path, f'{PART}{body}<g systemLanguage="tlh"><text>A</text></g>').notes]
-    assert "left out, as the shapes are not shown: 3 (of a <switch>, or for another language or viewer)" in told
+    assert (
+        "left out, as the shapes are not shown: 3 (of a <switch>, or for another viewer or language than English)"
+        in told
+    )
 
 
 def test_what_lies_in_other_files_is_said(tmp_path: Path) -> None:

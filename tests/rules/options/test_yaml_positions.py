@@ -102,7 +102,7 @@ def test_error_at_a_place() -> None:
     ("text", "path", "made"),
     [
         ("a: 1  # one\nb: 2\n", ["a"], "a: 9  # one\nb: 2\n"),
-        ("a: 1\n", ["b"], "a: 1\n\nb: 9\n"),
+        ("a: 1\n", ["b"], "a: 1\nb: 9\n"),
         ("", ["a", "b"], "a:\n  b: 9\n"),
         ("# only words\n", ["a"], "# only words\na: 9\n"),
         ("s:\n  # first\n  a: 1\n  b: 2\n", ["s", "c"], "s:\n  # first\n  c: 9\n  a: 1\n  b: 2\n"),
@@ -149,7 +149,7 @@ def test_all_but_the_value_stays(name: str, path: tuple[str, ...], value: str) -
     [
         ("", "s:\n  - 9\n"),
         ("# only words\n", "# only words\ns:\n  - 9\n"),
-        ("t: 1\n", "t: 1\n\ns:\n  - 9\n"),
+        ("t: 1\n", "t: 1\ns:\n  - 9\n"),
         ("s:\nt: 1\n", "s:\n  - 9\nt: 1\n"),
         ("s: []  # none\n", "s:\n  - 9  # none\n"),
         ("{t: 1}\n", "{s: [9], t: 1}\n"),
@@ -189,3 +189,8 @@ def test_any_key_is_written_so_that_it_reads_back(key: str) -> None:
 )
 def test_a_key_goes(text: str, path: list[str], made: str) -> None:
     assert without_value(text, path) == made
+
+
+def test_an_empty_line_parts_a_new_key_where_empty_lines_part_others() -> None:
+    assert with_value("name: a\nkerf: 1 mm\n", ["set"], "b") == "name: a\nkerf: 1 mm\nset: b\n"
+    assert with_value("name: a\n\nkerf: 1 mm\n", ["set"], "b") == "name: a\n\nkerf: 1 mm\n\nset: b\n"

@@ -146,6 +146,9 @@ def test_what_switches_for_a_family_does_not_for_another_control() -> None:
     for word in ("M36 T3", "G59 V502 F34", "M19", "M08", "M9"):
         with pytest.raises(InputError, match=r"not understood|is not supported here"):
             read_nc(body.format(word + "\n"), control=control)
+    called = control_for(replace(load_dialect("fanuc"), title="Fanuc 0i, M8 and M7 for oil"))
+    with pytest.raises(InputError, match="M8 is not understood"):
+        read_nc(body.format("M8\n"), control=called)
     coolant = replace(load_dialect("fanuc"), also=(*load_dialect("fanuc").also, Also("M8")))
     assert len(read_nc(body.format("M8\n"), control=control_for(coolant)).burns) == 1
 
