@@ -39,7 +39,7 @@ def test_an_answer_is_kept_in_the_job_file(tmp_path: Path) -> None:
     answered = kerfwise("facts", nest, "-o", out, "--answer", "frame=part")
     assert answered.code == 0
     assert "kept in" in answered.err
-    assert job.read_text() == 'quantity: 4  # sheets\n\nanswers: {"frame": "part"}\n'
+    assert job.read_text() == 'quantity: 4  # sheets\nanswers: {"frame": "part"}\n'
     assert kerfwise("facts", nest, "-o", out).code == 0
     assert "P1.hole1" in out.read_text()
     assert kerfwise("facts", nest, "-o", out, "--no-job").code == 3

@@ -111,10 +111,8 @@ class JobText:
     >>> text = JobText("quantity: 4  # sheets\\n").with_lock("P2 first").with_setting("leads.lead_in", "4 mm")
     >>> print(text.text, end="")
     quantity: 4  # sheets
-    <BLANKLINE>
     locks:
       - P2 first
-    <BLANKLINE>
     set:
       leads.lead_in: 4 mm
     >>> text.without_lock("P2 first").without_setting("leads.lead_in").text

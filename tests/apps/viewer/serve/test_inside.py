@@ -94,7 +94,7 @@ def test_a_long_list_is_told_bit_by_bit(
 def test_the_profile_that_the_server_was_given_goes_into_the_job_file(served: Served, opened: Open) -> None:
     assert Server(served.server.folder, "laser-wood")._first_text(None, Path("/a/b.dxf")) == "profile: laser-wood\n"
     assert Server(served.server.folder, "/a/p.yaml")._first_text("quantity: 2\n", Path("/a/b.dxf")) == (
-        "quantity: 2\n\nprofile: p.yaml\n"
+        "quantity: 2\nprofile: p.yaml\n"
     )
     assert Server(served.server.folder, "x")._first_text("profile: y\n", Path("/a/b.dxf")) == "profile: y\n"
 
