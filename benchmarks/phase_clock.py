@@ -53,7 +53,11 @@ LOOK_S = 0.5
 REST, ALL, BUT_PLANNING, MEMORY = "all else", "all", "all but planning", "memory, MB"
 BY_CLOCK = "all but planning, by the clock"
 """Seconds that go by meanwhile: what is done side by side counts once, and what other programs take counts too."""
-STARTED, AFTER = "start and imports", "after reading, by the clock"
+STARTED, JUDGED, AFTER = (
+    "start and imports",
+    "program judged, after reading, by the clock",
+    "picture drawn, by the clock",
+)
 """Of a first plan: what is taken before the nest is read, numba included, and what goes by from then on."""
 
 
@@ -145,24 +149,26 @@ def spent(
         most = {MEMORY: peak_mb()}
         if first:
             sums[ALL] += started_s
-            most |= {STARTED: started_s, AFTER: time.perf_counter() - read_s}
+            most |= {STARTED: started_s, JUDGED: judged_s - read_s, AFTER: time.perf_counter() - read_s}
         told({**seconds, **sums, **by_clock, **most, "ended": ended, "running": running, "missing": missing})
 
-    read_s = began_clock_s
+    read_s = judged_s = began_clock_s
     nest = importlib.import_module("kerfwise.encoder.readers.json_nest").read_json(text, ReadOptions())
     read_s, limits = time.perf_counter(), options_for(nest, profile, work=work)
     home = profile.home_on(nest)
     with _beside(nest, home) as beside, _judged_beside(nest, profile) as judging:
 
         def planned(plan: Any) -> Any:
+            promise = None if judging is None else judging.begin(plan)
             if beside is not None:
                 beside.begin(plan)
-            return None if judging is None else judging.begin(plan)
+            return promise
 
         # started here, as processes are forked where there is one thread
         threading.Thread(target=_end_after, args=(began_s + most_s, tell), daemon=True).start()
         watchers = Watchers(planned=planned)
         made = plan_nest(Inputs(nest, profile), limits, Method(first=first), watchers).made
+        judged_s = time.perf_counter()
         if not made.verdict.ok:
             raise SystemExit("the check refuses the plan")
         with clock.phase("picture"):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from kerfwise.benchmarks.phase_clock import AFTER, ALL, BUT_PLANNING, BY_CLOCK, MEMORY, PHASES, REST, STARTED
+from kerfwise.benchmarks.phase_clock import AFTER, ALL, BUT_PLANNING, BY_CLOCK, JUDGED, MEMORY, PHASES, REST, STARTED
 
 Spent = dict[str, Any]
 """Seconds by phase and what goes with them, see `phase_clock.spent`; `contours` is how many there are."""
@@ -35,7 +35,7 @@ def exponent(sizes: tuple[float, float], seconds: tuple[float, float]) -> str:
 
 
 WHOLE = (*PHASES, REST, ALL, BUT_PLANNING, BY_CLOCK, MEMORY)
-FIRST = (STARTED, *PHASES, REST, ALL, AFTER, MEMORY)
+FIRST = (STARTED, *PHASES, REST, ALL, JUDGED, AFTER, MEMORY)
 """The rows, of whole plans and of first ones."""
 
 
@@ -67,7 +67,7 @@ def _cell(run: Spent, name: str) -> str:
 
 def _cut_short(run: Spent, name: str) -> bool:
     """Whether a process was ended before, or in, a phase, or while what counts for all phases was counted."""
-    of_all = name in (REST, ALL, BUT_PLANNING, BY_CLOCK, AFTER, MEMORY)
+    of_all = name in (REST, ALL, BUT_PLANNING, BY_CLOCK, JUDGED, AFTER, MEMORY)
     return bool(run.get("ended")) and (of_all or name in run["running"] or name in run["missing"])
 
 

@@ -7,6 +7,8 @@ the nest. Whatever goes wrong in it, there is no picture from it, and it is draw
 
 from __future__ import annotations
 
+import contextlib
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -25,6 +27,8 @@ FROM_CONTOURS = 300
 this process 2.8 processor s in place of 3.2, one of 1000 5.2 in place of 5.8; the other takes 0.8 and 1.3 s."""
 LEAST_CORES = 2
 """With one, two processes take as long as one after the other."""
+BEHIND = 10
+"""By how much the picture stands behind the program, which somebody waits for at a machine, as systems count it."""
 
 
 def is_worth_a_process(nest: Nest) -> bool:
@@ -60,7 +64,9 @@ class DrawnBeside(Beside):
 
 
 def _draw(hear: Hear, nest: Nest, suffix: str, home: Point) -> Iterator[bytes]:
-    """What the process does."""
+    """What the process does, where cores are left."""
+    with contextlib.suppress(AttributeError):
+        os.nice(BEHIND)
     from kerfwise.postproc.report.picture import prepare, sketch
     from kerfwise.postproc.report.plot import render_picture
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -149,11 +148,10 @@ class Outputs:
             )
 
     def contents(
-        self, verified: VerifiedPlan, inputs: Inputs, options: Mapping[str, Any], beside: DrawnBeside
-    ) -> dict[Path, str | bytes]:
-        """What is in each file; what is not in a drawing is said."""
+        self, verified: VerifiedPlan, inputs: Inputs, options: Mapping[str, Any], beside: DrawnBeside, at_once: bool
+    ) -> Iterator[dict[Path, str | bytes]]:
+        """What is in each file; what is not in a drawing is said. With `at_once` the picture follows all others."""
         from kerfwise.commands.page_picture import planned_picture
-        from kerfwise.postproc.nc.ordered_drawings import write_dxf
         from kerfwise.postproc.output_files import remnant_files
 
         plan, files = verified.plan, dict[Path, str | bytes]()
@@ -163,11 +161,16 @@ class Outputs:
         if self.plan_path:
             files[Path(self.plan_path)] = plan.to_json()
         if self.dxf:
+            from kerfwise.postproc.nc.ordered_drawings import write_dxf
+
             files[Path(self.dxf)] = write_dxf(plan, inputs.nest, inputs.profile)
         files |= self._drawings(plan, inputs, options)
+        if at_once and files:
+            yield files
+            files = {}
         if self.picture and self.suffix is not None:
             files[Path(self.picture)] = planned_picture(inputs, verified, self.suffix, beside)
-        return files
+        yield files
 
     def _drawings(self, plan: Plan, inputs: Inputs, options: Mapping[str, Any]) -> dict[Path, str | bytes]:
         """The drawing of the nest in cutting order, as the senders of others read it."""
@@ -220,7 +223,8 @@ class Outputs:
                  help="Solver of the engine minizinc."),
     click.option("--strategy", type=click.Choice(list(STRATEGIES)), default="ours", show_default=True,
                  help="All but ours are for comparison: they keep the hard rules and ignore soft ones."),
-    click.option("--first", is_flag=True, help="Write the first lawful plan, which a moment's search finds, and stop."),
+    click.option("--first", is_flag=True,
+                 help="Write the first lawful plan, which a moment's search finds, then its picture, and stop."),
 )  # fmt: skip
 @stopped_options(
     "With --upto, resume after a stop: plan only what this plan or program has not cut. Alone, number locks such as "
@@ -290,7 +294,7 @@ def command(
         code = print_conflict(no_plan, str(outputs.conflict_picture))
     else:
         first_line = listener.first_line(done.made.plan.solve.objective, began_s)
-        contents = partial(outputs.contents, done.made, inputs, options, beside)
+        contents = outputs.contents(done.made, inputs, options, beside, method["first"])
         refused = _finish(done, inputs, foretold, first_line, verbose, contents)
         code = refused or (130 if listener.interrupted else 0)
     if whole is not None and (over := whole.over()):  # what took how long, where the command took longer than its limit
@@ -308,8 +312,9 @@ def _beside(inputs: Inputs, suffix: str | None) -> tuple[DrawnBeside, Callable[[
     judged = context.with_resource(JudgedBeside(nest, inputs.profile))
 
     def planned(plan: Plan) -> Promise | None:
+        promise = judged.begin(plan)  # the program waits for that, and nothing for the picture
         drawn.begin(plan)
-        return judged.begin(plan)
+        return promise
 
     return drawn, planned
 
@@ -320,7 +325,7 @@ def _finish(
     predicts: bool,
     first_line: str,
     verbose: bool,
-    contents: Callable[[], dict[Path, str | bytes]],
+    contents: Iterator[dict[Path, str | bytes]],
 ) -> int:
     """Write the files of a plan that passes, and say what was planned; with `predicts` how far parts will be off."""
     from kerfwise.jobs.display import job_line, summary
@@ -334,7 +339,7 @@ def _finish(
         if inputs.profile.distortion.keep_tolerance and found.beyond:
             click.echo(f"kerfwise: {of_parts} (distortion.keep_tolerance); nothing was written", err=True)
             return 1
-    files = contents() if verdict.ok else {}
+    files = next(contents) if verdict.ok else {}
     write_files(files)
     notes = "\n".join(done.made.notes) if verbose else ""
     read = escape_text(reading.short()) if reading is not None and reading.taken else ""
@@ -345,7 +350,10 @@ def _finish(
     if not verdict.ok:
         click.echo("kerfwise: the check refuses this plan; nothing was written", err=True)
         return 1
-    click.echo("written: " + ", ".join(escape_text(str(path)) for path in files))
+    click.echo(f"written: {', '.join(escape_text(str(path)) for path in files)}")
+    for later in filter(None, contents):
+        write_files(later)
+        click.echo(f"written: {', '.join(escape_text(str(path)) for path in later)}")
     return 0
 
 

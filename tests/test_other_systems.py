@@ -57,6 +57,7 @@ ALLOWED = {
     ("apps/bench/bench_child.py", "import resource"): "not on Windows, where its twin asks the system itself",
     ("benchmarks/heat_speed.py", "os.wait4"): "a figure for the docs, made on Linux; no part of what is installed",
     ("benchmarks/checkout.py", "symlink_to"): "compares two checkouts, for developers; no part of what is installed",
+    ("commands/page_picture.py", "os.nice"): "only where the system has it",
     ("models/jit.py", "os.sched_getaffinity"): "asked for only where the system has it",
     ("jobs/process_pool.py", "os.sched_setaffinity"): "only where the system has it",
     ("jobs/process_pool.py", "signal.SIG_BLOCK"): "only where threads have a mask of signals",

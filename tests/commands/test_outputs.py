@@ -165,3 +165,17 @@ def test_a_drawing_beside_a_nest_of_its_name_is_no_picture_to_write_over(tmp_pat
     ended = kerfwise(*SOLVE)
     assert (ended.code, "plain.svg: is no picture of plain.json" in ended.err) == (2, True)
     assert (tmp_path / "plain.svg").read_bytes() == drawn
+
+
+def test_a_first_plan_is_written_before_its_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    before_picture: list[str] = []
+
+    def interrupted(*given: object) -> bytes:
+        before_picture.extend(sorted(path.name for path in Path().glob("plain.*")))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("kerfwise.commands.page_picture.planned_picture", interrupted)
+    ended = kerfwise(*SOLVE, "--first")
+    assert (ended.code, before_picture) == (130, ["plain.json", "plain.nc", "plain.plan.json"])
+    assert ended.out.endswith("written: plain.nc, plain.plan.json\n")
+    assert kerfwise("check", "plain.json", "plain.nc").code == 0
