@@ -12,7 +12,7 @@ import kerfwise
 
 NEST = Path(kerfwise.__file__).parent / "examples" / "nests" / "e1x_6.json"
 PART = Path(kerfwise.__file__).parent / "examples" / "parts" / "tag.json"
-LIBRARIES = ("distributed", "openpyxl", "segno", "spyrrow", "starlette", "threadpoolctl", "uvicorn")
+LIBRARIES = ("distributed", "openpyxl", "segno", "spyrrow", "starlette", "uvicorn")
 HIDES = """
 import sys
 class Finder:

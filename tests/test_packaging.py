@@ -50,7 +50,7 @@ def test_nothing_that_is_shipped_needs_the_tests() -> None:
     assert [str(path) for path in texts if "kerfwise.tests" in path.read_text(encoding="utf-8")] == []
 
 
-EXTRAS = ("cluster", "distort", "nest", "serve", "sheets")
+EXTRAS = ("cluster", "nest", "serve", "sheets")
 """Those of apps: the core needs nothing of them."""
 UNDECLARED = {"pandas", "anyio", "_typeshed"}
 """Taken where it is there; what starlette is built on; what type checkers alone know."""

@@ -9,7 +9,6 @@ factor with the ties that still hold then. What is cut free is not followed any 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -96,24 +95,6 @@ def cut_sheet(nest: Nest, path: TimedPath, heat: Heat, how: Cutting, follow: Fol
     Where points are to be followed, `follow.moved` is filled in. Raises InputError if nothing is known of the metal's
     strength.
     """
-    with _one_thread():
-        return _cut(nest, path, heat, how, follow)
-
-
-def _one_thread() -> AbstractContextManager[object]:
-    """One thread for BLAS: the solves are many and small, and more threads only wait for each other.
-
-    Nothing but time is lost where the library that sees to it, of the extra `distort`, is not installed.
-    """
-    try:
-        from threadpoolctl import threadpool_limits
-    except ImportError:
-        return nullcontext()
-    limits: AbstractContextManager[object] = threadpool_limits(1, "blas")
-    return limits
-
-
-def _cut(nest: Nest, path: TimedPath, heat: Heat, how: Cutting, follow: Followed | None) -> Moved:
     metal = metal_of(heat.material)
     mesh = make_mesh(nest, path, how.grid_mm, how.kerf_mm)
     elastic = Elasticity(mesh, metal.elastic(how.thickness_mm))

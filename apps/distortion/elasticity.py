@@ -17,7 +17,7 @@ from importlib import resources
 
 import numpy as np
 import yaml
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cho_solve, cholesky
 from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
@@ -27,6 +27,9 @@ from kerfwise.rules.profile.plant_sections import MATERIALS
 
 from .mesh import CORNERS, Mesh, components
 
+AT_ONCE = 4
+"""Right-hand sides that are solved at a time: with more of them BLAS begins threads, which on a busy machine wait for
+each other three times as long as they work."""
 GROUND = 1e-10
 """Stiffness of the ground under a whole cell, as a share of Young's modulus times the thickness."""
 
@@ -168,7 +171,8 @@ class State:
         for c in (0, 1):
             pulls[2 * one + c, 2 * np.arange(m) + c] = 1.0
             pulls[2 * other + c, 2 * np.arange(m) + c] = -1.0
-        free = self._factor.solve(np.column_stack([pulls, *loads]) if loads else pulls)
+        asked = np.column_stack([pulls, *loads])
+        free = np.hstack([self._factor.solve(asked[:, k : k + AT_ONCE]) for k in range(0, asked.shape[1], AT_ONCE)])
         gives, free = free[:, : 2 * m], free[:, 2 * m :]
         if not m:
             return list(free.T)
@@ -181,20 +185,20 @@ class State:
         last = np.arange(2 * m).reshape(m, 2)[::-1].ravel()
         lower = cholesky((gap + gap.T)[np.ix_(last, last)] / 2, lower=True)
 
-        def held_by(k: int, opened: int) -> Floats:
+        def holding(k: int, opened: int) -> Floats:
             held = 2 * (m - opened)
             block, rows = lower[:held, :held], last[:held]
-            force = solve_triangular(block, off[rows, k], lower=True)
-            force = solve_triangular(block, force, lower=True, trans="T")
-            moved: Floats = free[:, k] - gives[:, rows] @ force
-            return moved
+            force = np.zeros(2 * m)
+            force[rows] = cho_solve((block, True), off[rows, k])
+            return force
 
-        found = []
+        forces = np.zeros_like(off)
         for k, opened in enumerate(open_):
             whole = int(opened)
-            at = held_by(k, whole)
-            found.append(at if opened == whole else at + (opened - whole) * (held_by(k, whole + 1) - at))
-        return found
+            forces[:, k] = at = holding(k, whole)
+            if opened != whole:
+                forces[:, k] += (opened - whole) * (holding(k, whole + 1) - at)
+        return list((free - gives @ forces).T)
 
     def spread(self, found: Floats, before: Floats) -> Floats:
         """Displacements (n, 2) of all nodes: those found (2u,), and those before of nodes that are left out."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -90,7 +91,10 @@ def test_ties_hold_as_if_the_metal_were_whole(opened: int) -> None:
     forces, rest = made.thermal(np.exp(-(((at - (150, 60)) / 50) ** 2).sum(axis=1)) * 100), np.zeros((mesh.nodes, 2))
     every = np.ones(len(mesh.cell), dtype=np.bool_)
     through = made.state(mesh.joined(np.inf), every)
+    factor, widths = through._factor, []
+    through._factor = SimpleNamespace(solve=lambda asked: widths.append(asked.shape[1]) or factor.solve(asked))
     (one,) = through.solve([through.load(forces, rest)], mesh.ties, [opened])
+    assert max(widths) <= 4, "BLAS begins threads"
     hanging = made.state(mesh.joined(mesh.opens_s[opened - 1] if opened else -1.0), every)
     (other,) = hanging.solve([hanging.load(forces, rest)], mesh.ties[:0], [0])
     a, b = through.spread(one, rest), hanging.spread(other, rest)
