@@ -186,7 +186,7 @@ class Modes:
         `unit_mm` is the length that P and Q are given in: P is how far it may round a corner, Q how far it may leave
         out points of a nearly straight path.
         """
-        if not block.g:
+        if not block.g or not (self.left or block.has_g(ROUNDING)):
             return
         words = {word.value for word in block.g}
         if ROUNDING in words and not self._near(block, unit_mm):
@@ -213,6 +213,7 @@ class Modes:
 # What the F and G words of a block move: units, counting, and lines and arcs in mm.
 
 INCH_MM = 25.4
+_PLACING = frozenset("XYIJR")
 _FARTHEST_MM = 2e6
 FEED_MM_MIN = (1.0, 1e6)
 
@@ -279,7 +280,7 @@ class ModalState:
         if motion is None:
             return
         self.motion = motion
-        if not any(letter in block.words for letter in "XYIJR" + self.control.rotary):
+        if _PLACING.isdisjoint(block.words) and not any(letter in block.words for letter in self.control.rotary):
             if motion > 1:
                 raise block.refused("an arc without its end, I, J or R; write at least I and J")
             if motion == 1:

@@ -389,6 +389,8 @@ class Filter:
         )
 
     def _starts(self, text: str, line: int, absolute: bool) -> None:
+        if self.raised and self.moved and text[0] not in "Mm":  # most lines: they change nothing
+            return
         code = text.lower().replace(" ", "")
         if code[1:2] == "0":
             code = re.sub(r"^([gm])0+(?=[0-9])", r"\1", code)

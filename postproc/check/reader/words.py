@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
@@ -99,37 +99,38 @@ def block_of(row: Row, line: int, rotary: str = "") -> Block:
         if code[at] == COMMENT:
             at += 1
             continue
-        column = row.columns[at]
-        found = _WORD.match(code, at)
-        if found is None or (
-            found["letter"] not in "GM" and found["letter"] not in BOUNDS and found["letter"] not in rotary
-        ):
+        column, found = row.columns[at], _WORD.match(code, at)
+        letter, number = found.groups() if found is not None else ("", "")
+        if found is None or not (letter in BOUNDS or letter in "GM" or letter in rotary):
             raise InputError(_cannot_read(code, at), line=line, column=column)
-        word = Word(found["letter"], float(found["number"]), found[0], column)
-        at = found.end()
-        if word.letter in "GM":
-            if not (_TENTHS if word.letter == "G" else _WHOLE).fullmatch(found["number"]):
+        word, at = Word(letter, float(number), found[0], column), found.end()
+        if letter in "GM":
+            if not _spelt_well(letter, number):
                 raise InputError(
                     f"{word.text} spelt so is not supported here; write it as in the control's manual, such as G1 or "
                     "M3",
                     line=line,
                     column=column,
                 )
-            (g if word.letter == "G" else m).append(word)
+            (g if letter == "G" else m).append(word)
             continue
-        if word.letter in words:
-            raise InputError(
-                f"two {word.letter} words in one block: not supported here; delete one", line=line, column=column
-            )
-        low, high = BOUNDS.get(word.letter, _ANGLE)
+        if letter in words:
+            raise InputError(f"two {letter} words in one block: not supported here; delete one", line=line, column=column)
+        low, high = BOUNDS.get(letter, _ANGLE)
         if not low <= word.value <= high:
             raise InputError(
-                f"{word.text} is not supported here: expected {word.letter} from {low:.10g} to {high:.10g}",
+                f"{word.text} is not supported here: expected {letter} from {low:.10g} to {high:.10g}",
                 line=line,
                 column=column,
             )
-        words[word.letter] = word
+        words[letter] = word
     return Block(line, tuple(g), tuple(m), words, row.comments)
+
+
+@lru_cache(maxsize=256)
+def _spelt_well(letter: str, number: str) -> bool:
+    """Whether a G or M word is spelt as controls have it."""
+    return (_TENTHS if letter == "G" else _WHOLE).fullmatch(number) is not None
 
 
 def _cannot_read(code: str, at: int) -> str:
