@@ -109,7 +109,7 @@ def facts_of(
     """All facts of the nest, as the profile has it cut, under the profile's thresholds.
 
     If they are not to be `zoned`, all is one zone where geometry alone would draw zones, which takes longer than a
-    first plan is worth.
+    first plan is worth, and the heat of single contours is not known.
 
     Where some of it is `already` cut they are those of what is left. A `limit` notes how long finding candidates takes;
     the compiling of rules in model files ends within it.
@@ -176,10 +176,11 @@ def _measured(nest: Nest, profile: Profile, already: AlreadyCut, limit: JobLimit
         raise
     if groups:
         candidates, met, groups = _cut_alike(candidates, met, groups, step)
-    heat_kj = contour_heat_kj(nest, candidates, profile)
     options = given = profile.fact_options(nest)
     if not (zoned or given.zones_decided or nest.scrap or made is not None or profile.machine.torches.several):
-        options = replace(given, zone_contours=max(len(nest.contours), 1))
+        options, heat_kj = replace(given, zone_contours=max(len(nest.contours), 1)), None
+    else:  # zones may have a budget of it
+        heat_kj = contour_heat_kj(nest, candidates, profile)
     facts = replace(compute_facts(nest, options, candidates, heat_kj, met), options=given)
     if profile.machine.torches.several and nest.contours:
         return facts_of_torches(facts, groups, profile)

@@ -228,8 +228,16 @@ class OrderRule(Rule[OptionsT]):
 
     def precede(self, facts: Facts, before: int, after: int) -> Precede:
         """The statement that contour number `before` is cut before number `after`, with the reason."""
-        first, then = facts.nest.contours[before].id, facts.nest.contours[after].id
-        return Precede(before, after, self.about((first, then), order_sentence(self, first, then, facts.start_side)))
+        return self.precede_each(facts, [(before, after)])[0]
+
+    def precede_each(self, facts: Facts, pairs: Iterable[Sequence[int]]) -> list[Precede]:
+        """The same of many pairs: large nests have hundreds of thousands."""
+        rule, contours, side = self.id, facts.nest.contours, facts.start_side
+        named = ((before, after, contours[before].id, contours[after].id) for before, after in pairs)
+        return [
+            Precede(before, after, About(rule, (first, then), order_sentence(self, first, then, side)))
+            for before, after, first, then in named
+        ]
 
     def violations(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Violation]:
         """Every pair that is cut the wrong way round."""

@@ -235,35 +235,36 @@ def _check(options: LeadOptions, nest: Nest) -> None:
 def _candidates(
     found: Approaches, outlines: Mapping[int, Outline], around: Surroundings, options: LeadOptions
 ) -> list[Candidate]:
-    joints, leads = found.ways.joints, found.leads
+    joints, leads, ccw = found.ways.joints, found.leads, found.ways.ccw.tolist()
     tails, tail_mm, leaves = lead_outs(found, outlines, around, options)
-    around_mm = np.array([outlines[k].path.length_mm for k in joints.contour.tolist()])
+    numbers = joints.contour.tolist()
+    around_mm = np.array([outlines[k].path.length_mm for k in numbers])
     cut_mm = (leads.length_mm + around_mm + tail_mm).tolist()
     rows = np.stack(
         [np.column_stack([leads.pierce, leads.bulge]), np.column_stack([leads.join, leads.bulge * 0])], axis=1
     )
+    led, edge, leads_on = (leads.length_mm > 0).tolist(), found.edge.tolist(), leaves.tolist()
+    at = zip(joints.entry_mm.tolist(), joints.entry.tolist(), leads.pierce.tolist(), strict=True)
     candidates = []
     places = options.tab_places or TabPlaces()
-    for i, tail in enumerate(tails):
-        number = int(joints.contour[i])
-        left = places.on(number, outlines[number], float(joints.join_mm[i]), bool(found.ways.ccw[i]))
-        leads_out, tail_i_mm = bool(leaves[i]), 0.0
+    for i, (number, tail, (entry_mm, (x, y), (px, py))) in enumerate(zip(numbers, tails, at, strict=True)):
+        left = places.on(number, outlines[number], float(joints.join_mm[i]), ccw[i])
+        leads_out, tail_i_mm = leads_on[i], 0.0
         if left is not None and left.stop is not None:
             tail_i_mm, leads_out = float(tail_mm[i]), False
             tail = Curve(np.array([[*left.stop, 0.0]]), closed=False)
-        (px, py), (x, y), (ex, ey) = leads.pierce[i].tolist(), joints.entry[i].tolist(), tail.end
         candidates.append(
             Candidate(
                 contour=number,
-                entry_mm=float(joints.entry_mm[i]),
+                entry_mm=entry_mm,
                 entry=(x, y),
-                direction="ccw" if found.ways.ccw[i] else "cw",
+                direction="ccw" if ccw[i] else "cw",
                 pierce=(px, py),
-                lead_in=Curve(rows[i], closed=False) if leads.length_mm[i] > 0 else None,
+                lead_in=Curve(rows[i], closed=False) if led[i] else None,
                 lead_out=tail,
-                end=(ex, ey),
+                end=tail.end,
                 cut_mm=cut_mm[i] if left is None else cut_mm[i] - tail_i_mm - left.unlit_mm,
-                edge_start=bool(found.edge[i]),
+                edge_start=edge[i],
                 leaves=leads_out,
                 tabs=() if left is None else left.tabs,
             )

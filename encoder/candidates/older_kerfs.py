@@ -170,7 +170,11 @@ def _lead_ends(number: int, candidate: Candidate) -> list[tuple[int, tuple[float
     A lead-in of several lines and arcs has a row for each; only the last of them ends at the contour.
     """
     found: list[tuple[int, tuple[float, ...], bool]] = []
-    if candidate.lead_in is not None:
+    if candidate.lead_in is not None and len(candidate.lead_in.vertices) == 2:  # most
+        (x, y, bulge), (to_x, to_y, _) = candidate.lead_in.vertices.tolist()
+        if length_mm := candidate.lead_in.length_mm:
+            found.append((number, (x, y, to_x, to_y, bulge, length_mm), True))
+    elif candidate.lead_in is not None:
         segments = list(candidate.lead_in.made_anew())
         found += [(number, (*s.start, *s.end, s.bulge, s.length_mm), s is segments[-1]) for s in segments]
     if candidate.lead_out is not None and candidate.leaves:

@@ -86,7 +86,9 @@ class Curve:
     @property
     def length_mm(self) -> float:
         """Path length, mm."""
-        if not self.closed and len(self.vertices) == 2:  # most leads: their segments are not made for it
+        if not self.closed and (count := len(self.vertices)) <= 2:  # most leads: their segments are not made for it
+            if count < 2:
+                return 0.0
             (x0, y0, bulge), (x1, y1, _) = self.vertices.tolist()
             length_mm = length_between_mm((x0, y0), (x1, y1), bulge)
             return length_mm if length_mm > SHORTEST_MM else 0.0

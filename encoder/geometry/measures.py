@@ -142,7 +142,10 @@ def wider_than(curve: Curve, mm: float) -> bool:
     >>> wider_than(slot, 8), wider_than(slot, 8.1)
     (True, False)
     """
-    inside, middle = _area(curve), _area(curve).centroid
+    if (found := _as_circle(curve)) is not None:
+        return found[1] >= mm
+    inside = _area(curve)
+    middle = inside.centroid
     return bool(inside.covers(middle)) and 2 * curve.project((middle.x, middle.y))[1] >= mm
 
 

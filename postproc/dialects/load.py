@@ -7,7 +7,7 @@ import json
 import re
 import sys
 from collections.abc import Iterator, Mapping
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from importlib import resources
 
 import yaml
@@ -320,12 +320,12 @@ def expect_words(nest: Nest, profile: Technique, dialect: Dialect, resumes: bool
     comments.
     """
     marks = [contour.id for contour in profile.as_cut(nest).contours if contour.kind == "mark"]
-    place = where_said(profile, ("machine", "dialect"))
+    place = partial(where_said, profile, ("machine", "dialect"))
     edged = next((contour.id for contour in (nest.drawn or nest).contours if contour.edge_bevels), None)
     if edged is not None and dialect.turning is not None:
         others = [name for name in dialect_names() if (d := load_dialect(name)).rotary and d.turning is None]
         raise wrong_at(
-            place,
+            place(),
             f"machine.dialect: '{dialect.name}' does not tilt a torch while it turns, and {edged} has bevels on single "
             f"edges: take {' or '.join(others)}, or bevel the whole contour",
         )
@@ -337,7 +337,7 @@ def expect_words(nest: Nest, profile: Technique, dialect: Dialect, resumes: bool
         others = [name for name in dialect_names() if _marks_too(load_dialect(name), profile)]
         why = f"; {dialect.no_marking}" if dialect.no_marking else ""
         raise wrong_at(
-            place,
+            place(),
             f"machine.dialect: '{dialect.name}' has no words for marking, and the nest has {len(marks)} ({shown}): "
             f"take another dialect ({', '.join(others)}), give a copy of it the words (kerfwise dialects new mine "
             f"--like {dialect.name}; mark_on, mark_off{why}), or take a nest without them{without}",
@@ -362,7 +362,7 @@ def expect_words(nest: Nest, profile: Technique, dialect: Dialect, resumes: bool
         )
     if resumes and dialect.comment is None:
         raise wrong_at(
-            place,
+            place(),
             f"machine.dialect: '{dialect.name}' knows no comments, in which a program that goes on after a stop tells "
             "what is cut: take another dialect",
         )

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from kerfwise.encoder.display import join_names
-from kerfwise.encoder.nest import Contour, Nest, cached_with_nest
+from kerfwise.encoder.nest import Nest, cached_with_nest
 from kerfwise.rules.judging.loose_metal import OVER_MM, beside_metal, crumbs, loosened, meeting
 from kerfwise.rules.rule import NoGoodIds, Rule
 from kerfwise.rules.statements import EXEMPTION_MM, About, NoGood, Precede, Statement, by_kind
@@ -259,19 +259,17 @@ def _beside_metal(nest: Nest, kerf_mm: float) -> dict[str, shapely.Geometry]:
 @cached_with_nest(most=1)
 def torch_lines(nest: Nest, kerf_mm: float) -> dict[str, shapely.LineString]:
     """Where the torch goes round each contour that it cuts through, by id."""
-    found: dict[str, shapely.LineString] = {}
-    for contour in nest.contours:
-        if contour.kind not in ("mark", "scrap") and (line := _way_round(contour, kerf_mm)) is not None:
-            found[contour.id] = line
-    return found
-
-
-def _way_round(contour: Contour, kerf_mm: float) -> shapely.LineString | None:
-    if not contour.encloses:
-        return contour.line
-    by_mm = kerf_mm / 2 if contour.kind == "outer" else -kerf_mm / 2
-    grown = shapely.get_parts(shapely.buffer(shapely.make_valid(contour.polygon), by_mm))
-    return max(grown, key=lambda piece: piece.area).exterior if len(grown) else None
+    cut = [contour for contour in nest.contours if contour.kind not in ("mark", "scrap")]
+    around = [contour for contour in cut if contour.encloses]
+    by_mm = np.array([kerf_mm / 2 if contour.kind == "outer" else -kerf_mm / 2 for contour in around])
+    areas = shapely.make_valid(np.array([contour.polygon for contour in around], dtype=object))
+    grown, of = shapely.get_parts(shapely.buffer(areas, by_mm), return_index=True)
+    order = np.lexsort((-shapely.area(grown), of))
+    largest = order[np.flatnonzero(np.diff(of[order], prepend=-1))]
+    rounds = dict(zip(of[largest].tolist(), shapely.get_exterior_ring(grown[largest]), strict=True))
+    ways = {contour.id: rounds.get(k) for k, contour in enumerate(around)}
+    lines = ((contour.id, ways[contour.id] if contour.encloses else contour.line) for contour in cut)
+    return {name: line for name, line in lines if line is not None}
 
 
 def _any_order(facts: Facts) -> list[str]:

@@ -350,6 +350,7 @@ _OBEYED = re.compile(
     re.IGNORECASE,
 )
 """What LinuxCNC's interpreter and its machine do not pass over; `msg,` only shows its text."""
+_COMMENTED = re.compile(r"[();]")
 _NO_BLANKS = str.maketrans("", "", " \t")
 _SOLID = bytes(chr(k) not in " \t" for k in range(256))
 """For each byte whether it is no blank."""
@@ -386,9 +387,9 @@ def row_of(text: str, line: int, opens: str = "(;") -> Row:
     >>> row_of("g1 x 10.5 (to the corner)", 1).code
     'G1X10.5'
     """
-    if text.isascii() and not ("(" in text or ";" in text or ")" in text):  # most rows
-        columns = tuple(compress(count(1), text.encode().translate(_SOLID)))
-        return Row(text.translate(_NO_BLANKS).upper(), columns, ())
+    if text.isascii() and not _COMMENTED.search(text):  # most rows
+        solid = tuple(compress(count(1), text.encode().translate(_SOLID)))
+        return Row(text.translate(_NO_BLANKS).upper(), solid, ())
     code: list[str] = []
     columns: list[int] = []
     comments: list[str] = []

@@ -93,8 +93,8 @@ def block_of(row: Row, line: int, rotary: str = "") -> Block:
     words: dict[str, Word] = {}
     code, at = row.code, 0
     numbered = code.startswith("N") and not (row.comment_at and row.comment_at < row.columns[0])
-    if numbered and (number := _LINE_NUMBER.match(code)):
-        at = number.end()
+    if numbered and (own := _LINE_NUMBER.match(code)):
+        at = own.end()
     while at < len(code):
         if code[at] == COMMENT:
             at += 1
@@ -115,7 +115,9 @@ def block_of(row: Row, line: int, rotary: str = "") -> Block:
             (g if letter == "G" else m).append(word)
             continue
         if letter in words:
-            raise InputError(f"two {letter} words in one block: not supported here; delete one", line=line, column=column)
+            raise InputError(
+                f"two {letter} words in one block: not supported here; delete one", line=line, column=column
+            )
         low, high = BOUNDS.get(letter, _ANGLE)
         if not low <= word.value <= high:
             raise InputError(

@@ -66,7 +66,7 @@ class LevelAhead(OrderRule[NoOptions]):
     of_each_torch = True
 
     def statements(self, facts: Facts, options: NoOptions) -> list[Precede]:
-        return [self.precede(facts, i, j) for i, j in facts.level_ahead.tolist()]
+        return self.precede_each(facts, facts.level_ahead.tolist())
 
     def fact_options(self, given: FactOptions, options: NoOptions, strength: Strength) -> FactOptions:
         return replace(given, zone_respects=given.zone_respects | {"level_ahead"}) if strength == "hard" else given
