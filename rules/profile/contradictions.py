@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from typing import Any, Literal
 
 import yaml
@@ -31,95 +32,87 @@ SLOWEST_MM_S = 1 / 3
 """The slowest feed that anything but a water jet cuts at; slower ones are mostly m/min without their unit."""
 
 
-def check_together(values: dict[str, Any], root: yaml.Node, problems: Problems) -> None:
+def check_together(values: Mapping[str, Any], root: yaml.Node, problems: Problems) -> None:
     """Note values that contradict each other, at the one that the file gives."""
-    leads: LeadsSection = values["leads"]
-    machine: Machine = values["machine"]
-    material: Material = values["material"]
-    rules: dict[str, RuleSetting] = values["rules"]
-    time: Time = values["time"]
-    heat: Heat = values["heat"]
-    holes: SmallHoles = values["small_holes"]
+    cuts, machine, material = values["cuts"], values["machine"], values["material"]
+    plant = plant_of_sections(machine, material, values["heat"], values["locks"], cuts)
+    of_rules = rule_option_problems(plant, values["rules"], RULES | values["further_rules"])
+    for key, text in chain(
+        _wrong_leads(values["leads"], machine, material, values["rules"]),
+        _wrong_feed(machine, root),
+        common_cut_problems(cuts.common, machine, material, cuts.in_stretches),
+        _wrong_machine(machine),
+        _wrong_holes(values["small_holes"], material),
+        _wrong_time(values["time"], problems),
+        _wrong_heat(values["heat"]),
+        _wrong_prices(values["prices"], material),
+        ((f"rules.{name}.{key}", text) for name, key, text in of_rules),
+    ):
+        problems.add(deepest(root, *key.split(".")), f"{key}: {text}")
 
+
+Wrong = Iterator[tuple[str, str]]
+"""Keys of a profile, such as `leads.lead`, each with what is wrong there."""
+
+
+def _wrong_leads(leads: LeadsSection, machine: Machine, material: Material, rules: Mapping[str, RuleSetting]) -> Wrong:
     lead_in_mm = length_at(leads.lead_in_mm, material.thickness_mm)
     if leads.lead_in_min_mm > lead_in_mm:
-        problems.add(
-            deepest(root, "leads", "lead_in_min"),
-            f"leads.lead_in_min: {leads.lead_in_min_mm:g} mm is more than lead_in, {lead_in_mm:g} mm",
-        )
+        yield "leads.lead_in_min", f"{leads.lead_in_min_mm:g} mm is more than lead_in, {lead_in_mm:g} mm"
     pierce = next((name for name, setting in rules.items() if hasattr(setting.options, "clearance_mm")), "")
     if leads.lead == "none" and pierce and rules[pierce].strength != "off":
-        problems.add(
-            deepest(root, "leads", "lead"),
-            f"leads.lead: without a lead the torch pierces on its path, {material.kerf_mm / 2:g} mm from the contour, "
-            f"and rules.{pierce} asks for more: give a lead (line, arc), or switch that off: rules: {{{pierce}: off}}",
+        yield (
+            "leads.lead",
+            f"without a lead the torch pierces on its path, {material.kerf_mm / 2:g} mm from the contour, and "
+            f"rules.{pierce} asks for more: give a lead (line, arc), or switch that off: rules: {{{pierce}: off}}",
         )
     if leads.edge_start and machine.process == "oxyfuel" and machine.edge_preheat_s <= 0:
-        problems.add(
-            deepest(root, "leads", "edge_start"),
-            "leads.edge_start: a flame has to heat the sheet's edge before it cuts: give machine.edge_preheat, such as "
-            "7 s",
-        )
-    feed_node = deepest(root, "machine", "cut_feed")
-    slow = machine.process != "water-jet" and machine.cut_feed_mm_s < SLOWEST_MM_S
-    if slow and isinstance(feed_node, yaml.ScalarNode):
-        feed, least = (f"{mm_s * 60:.6g}" for mm_s in (machine.cut_feed_mm_s, SLOWEST_MM_S))
-        problems.add(
-            feed_node,
-            f"machine.cut_feed: {feed} mm/min is not likely for {machine.process}, expected {least} mm/min and more: "
-            f"did you mean {feed} m/min?",
-        )
-    for path, text in common_cut_problems(values["cuts"].common, machine, material, values["cuts"].in_stretches):
-        problems.add(deepest(root, *path), text)
+        text = "a flame has to heat the sheet's edge before it cuts: give machine.edge_preheat, such as 7 s"
+        yield "leads.edge_start", text
     if leads.edge_start and machine.pierce_dwell == "machine":
-        problems.add(
-            deepest(root, "leads", "edge_start"),
-            f"leads.edge_start: {MACHINE_WAITS}",
-        )
-    if machine.torches.several and machine.torches.spacing_mm <= 0:
-        problems.add(
-            deepest(root, "machine", "torches"),
-            f"machine.torches.spacing: {machine.torches.count} torches stand apart: say how far, such as 500 mm",
-        )
-    if machine.torches.up_to_mm is not None and machine.torches.up_to_mm < machine.torches.spacing_mm:
-        problems.add(
-            deepest(root, "machine", "torches", "up_to"),
-            f"machine.torches.up_to: {machine.torches.up_to_mm:g} mm is less than the least spacing, "
-            f"{machine.torches.spacing_mm:g} mm",
-        )
+        yield "leads.edge_start", MACHINE_WAITS
+
+
+def _wrong_feed(machine: Machine, root: yaml.Node) -> Wrong:
+    slow = machine.process != "water-jet" and machine.cut_feed_mm_s < SLOWEST_MM_S
+    if slow and isinstance(deepest(root, "machine", "cut_feed"), yaml.ScalarNode):
+        feed, least = (f"{mm_s * 60:.6g}" for mm_s in (machine.cut_feed_mm_s, SLOWEST_MM_S))
+        likely = f"is not likely for {machine.process}, expected {least} mm/min and more"
+        yield "machine.cut_feed", f"{feed} mm/min {likely}: did you mean {feed} m/min?"
+
+
+def _wrong_machine(machine: Machine) -> Wrong:
+    torches, spacing_mm = machine.torches, machine.torches.spacing_mm
+    if torches.several and spacing_mm <= 0:
+        yield "machine.torches.spacing", f"{torches.count} torches stand apart: say how far, such as 500 mm"
+    if torches.up_to_mm is not None and torches.up_to_mm < spacing_mm:
+        yield "machine.torches.up_to", f"{torches.up_to_mm:g} mm is less than the least spacing, {spacing_mm:g} mm"
     for key, span, at_mm in zip("xy", (machine.travel_x_mm, machine.travel_y_mm), machine.home, strict=True):
         if span is not None and not span[0] <= at_mm <= span[1]:
-            problems.add(
-                deepest(root, "machine", "home"),
-                f"machine.home: {at_mm:g} mm lies outside machine.travel_{key}, {span[0]:g} to {span[1]:g} mm",
-            )
+            yield "machine.home", f"{at_mm:g} mm lies outside machine.travel_{key}, {span[0]:g} to {span[1]:g} mm"
+
+
+def _wrong_holes(holes: SmallHoles, material: Material) -> Wrong:
     least_mm, full_mm = (length_at(length, material.thickness_mm) for length in (holes.min_hole, holes.full_feed_hole))
     if holes.small_hole_feed < 1 and full_mm < least_mm:
-        problems.add(
-            deepest(root, "small_holes", "full_feed_hole"),
-            f"small_holes.full_feed_hole: {full_mm:g} mm is less than min_hole, {least_mm:g} mm",
-        )
+        yield "small_holes.full_feed_hole", f"{full_mm:g} mm is less than min_hole, {least_mm:g} mm"
+
+
+def _wrong_time(time: Time, problems: Problems) -> Wrong:
     if time.model == "blocks" and time.feed_by_blocks is None and not problems.found:
-        problems.add(
-            deepest(root, "time", "model"),
-            "time.model: blocks needs a feed law: give time.feed_by_blocks, a shipped law's name or points of your own",
+        yield (
+            "time.model",
+            "blocks needs a feed law: give time.feed_by_blocks, a shipped law's name or points of your own",
         )
+
+
+def _wrong_heat(heat: Heat) -> Wrong:
     if heat.limit_c <= heat.ambient_c:
-        problems.add(
-            deepest(root, "heat", "limit_c"),
-            f"heat.limit_c: {heat.limit_c:g} °C is not above ambient_c, {heat.ambient_c:g} °C: everything is too hot",
-        )
+        text = f"{heat.limit_c:g} °C is not above ambient_c, {heat.ambient_c:g} °C: everything is too hot"
+        yield "heat.limit_c", text
     if heat.logical_conduction * 8 > 1:
-        problems.add(
-            deepest(root, "heat", "logical_conduction"),
-            f"heat.logical_conduction: {heat.logical_conduction:g} for each of 8 neighbours is more than a point has; "
-            "the scheme is stable up to 0.125",
-        )
-    for key, text in _wrong_prices(values["prices"], material):
-        problems.add(deepest(root, "prices", key), f"prices.{key}: {text}")
-    plant = plant_of_sections(machine, material, heat, values["locks"], values["cuts"])
-    for name, key, text in rule_option_problems(plant, rules, RULES | values["further_rules"]):
-        problems.add(deepest(root, "rules", name, key), f"rules.{name}.{key}: {text}")
+        more = f"{heat.logical_conduction:g} for each of 8 neighbours is more than a point has"
+        yield "heat.logical_conduction", f"{more}; the scheme is stable up to 0.125"
 
 
 def rule_option_problems(
@@ -134,45 +127,40 @@ def rule_option_problems(
                 yield name, key, text
 
 
-def _wrong_prices(prices: Prices, material: Material) -> Iterator[tuple[str, str]]:
-    """Keys of prices that the other values leave without a meaning, and why."""
+def _wrong_prices(prices: Prices, material: Material) -> Wrong:
     worn = prices.consumables
     if prices.gas_m3 and material.gas_flow_m3_h is None:
-        yield "gas_m3", "nobody says how much gas flows: give material.gas_flow, or a chart with that column"
+        yield "prices.gas_m3", "nobody says how much gas flows: give material.gas_flow, or a chart with that column"
     if prices.gas_m3 and prices.gas_hour:
-        yield "gas_m3", "the gas has a price by the hour too (gas_hour): keep one"
+        yield "prices.gas_m3", "the gas has a price by the hour too (gas_hour): keep one"
     if prices.sheet_kg and prices.sheet_each:
-        yield "sheet_each", "the sheet has a price by the kilogram too (sheet_kg): keep one"
+        yield "prices.sheet_each", "the sheet has a price by the kilogram too (sheet_kg): keep one"
     if prices.kwh and not (prices.torch_kw or prices.standby_kw):
-        yield "kwh", "nobody says how much power is drawn: give torch_kw, standby_kw or both"
+        yield "prices.kwh", "nobody says how much power is drawn: give torch_kw, standby_kw or both"
     if worn.set_price and not (worn.pierces or worn.torch_hours):
-        yield "consumables", "nobody says how long a set lasts: give consumables.pierces, torch_hours or both"
+        yield "prices.consumables", "nobody says how long a set lasts: give consumables.pierces, torch_hours or both"
 
 
 # What of common cuts does not go with the machine and the material.
 
 
-def common_cut_problems(
-    common: Common, machine: Machine, material: Material, stretches: str = ""
-) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Where the mistake stands in a profile, by its keys, and what it is; so of the group that asks for `stretches`."""
+def common_cut_problems(common: Common, machine: Machine, material: Material, stretches: str = "") -> Wrong:
+    """What of common cuts is wrong; so of the group that asks for `stretches`."""
     asked = "common" if common.shortest_mm is not None else stretches
     if not asked:
         return
-    if common.gap_tolerance_mm > tolerance_mm(material.kerf_mm):
-        yield (
-            ("cuts", "common", "gap_tolerance"),
-            f"cuts.common.gap_tolerance: {common.gap_tolerance_mm:g} mm is more than a torch may be off at this kerf, "
-            f"{tolerance_mm(material.kerf_mm):g} mm",
-        )
+    over_mm = tolerance_mm(material.kerf_mm)
+    if common.gap_tolerance_mm > over_mm:
+        text = f"{common.gap_tolerance_mm:g} mm is more than a torch may be off at this kerf, {over_mm:g} mm"
+        yield "cuts.common.gap_tolerance", text
     if machine.kerf_start and machine.process == "oxyfuel" and machine.edge_preheat_s <= 0:
         yield (
-            ("cuts", asked),
-            f"cuts.{asked}: a flame has to heat the edge of a kerf before it cuts on from there: give "
-            "machine.edge_preheat, such as 7 s, or say machine.kerf_start: false",
+            f"cuts.{asked}",
+            "a flame has to heat the edge of a kerf before it cuts on from there: give machine.edge_preheat, such as "
+            "7 s, or say machine.kerf_start: false",
         )
     if machine.kerf_start and machine.pierce_dwell == "machine":
-        yield (("machine", "kerf_start"), f"machine.kerf_start: {MACHINE_WAITS}")
+        yield "machine.kerf_start", MACHINE_WAITS
 
 
 # Whether common edges can be cut once as a profile asks.
