@@ -52,7 +52,7 @@ def load_profile(name_or_path: str | Path = DEFAULT, *, trust: bool = False) -> 
     """The shipped profile of that name, or the one in that file.
 
     `trust` lets it run the Python files that it names; without it only those run that the machine's configuration
-    allows, see `rules/outside/plugin_sources.py`.
+    allows, see `rules/outside/__init__.py`.
 
     Raises
     ------

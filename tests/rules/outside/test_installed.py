@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from kerfwise.encoder.errors import RuleFault
-from kerfwise.rules.outside import plugin_sources
+from kerfwise.rules import outside
 from kerfwise.rules.profile.load import load_profile
 from kerfwise.rules.registry import RULES
 from kerfwise.tests.rules.outside.written import NEST, ROOT, package, profile_file, python, rule_file
@@ -96,10 +96,10 @@ def found(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[pytest.Mo
 
     before = set(sys.modules)
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(plugin_sources, "entry_points", here)
-    plugin_sources.installed_rules.cache_clear()
+    monkeypatch.setattr(outside, "entry_points", here)
+    outside.installed_rules.cache_clear()
     yield monkeypatch
-    plugin_sources.installed_rules.cache_clear()
+    outside.installed_rules.cache_clear()
     for name in set(sys.modules) - before:
         if name.startswith("plant_rules"):
             del sys.modules[name]
@@ -123,7 +123,7 @@ def test_a_module_may_bring_several(tmp_path: Path, found: object) -> None:
     second = "\n\nclass Second(BarsLast):\n    id = 'bars-first'\n\n\ndef bar("
     rule_file(tmp_path, ("def bar(", second), name="plant_rules.py")
     package(tmp_path, points="all = plant_rules")
-    assert list(plugin_sources.installed_rules()) == ["bars-first", "bars-last"]
+    assert list(outside.installed_rules()) == ["bars-first", "bars-last"]
 
 
 BROKEN = {
@@ -181,5 +181,5 @@ def test_two_packages_with_one_name(tmp_path: Path, found: object) -> None:
 
 
 def test_the_catalogue_stays_what_it_is(plant: Path, found: object) -> None:
-    assert "bars-last" in plugin_sources.installed_rules()
+    assert "bars-last" in outside.installed_rules()
     assert "bars-last" not in RULES
