@@ -22,10 +22,7 @@ def interface_names() -> dict[str, str]:
 def app_module(name: str) -> Any:
     """A module of an app by its name in `kerfwise.apps`, such as `distortion.predict`.
 
-    Raises
-    ------
-    InputError
-        If the app is not installed.
+    Raises InputError if the app is not installed.
     """
     try:
         return importlib.import_module(f"{APPS}.{name}")
@@ -38,10 +35,7 @@ def app_module(name: str) -> Any:
 def expect_app(app: str) -> None:
     """Say at once that an app is not installed, without loading it.
 
-    Raises
-    ------
-    InputError
-        If it is not.
+    Raises InputError if it is not.
     """
     try:
         found = importlib.util.find_spec(f"{APPS}.{app}")
@@ -54,10 +48,7 @@ def expect_app(app: str) -> None:
 def library(name: str, what: str, extra: str) -> Any:
     """A library that comes with an extra.
 
-    Raises
-    ------
-    InputError
-        Where it is not installed: what needs it, and which extra has it.
+    Raises InputError where it is not installed: what needs it, and which extra has it.
     """
     try:
         return importlib.import_module(name)

@@ -186,10 +186,7 @@ def _no_plan(
 ) -> NoPlan:
     """What contradicts what, looked for unless the user has interrupted.
 
-    Raises
-    ------
-    Questions
-        If one about shared edges would settle it.
+    Raises Questions if one about shared edges would settle it.
     """
     from kerfwise.models.engines.deadline import Deadline
     from kerfwise.models.plan.conflict import NotAnswered, find_conflict
@@ -278,10 +275,7 @@ def plan_request(
         Have zones move where that pays, and the plan say what they cost, which takes a share of a limit in seconds, or
         work beside that of the plan.
 
-    Raises
-    ------
-    RulesConflict
-        If no lawful plan exists, or none was found.
+    Raises RulesConflict if no lawful plan exists, or none was found.
     """
     began_s, contours = running_s(), request.facts.n
     ends_s = None if limits.time_s is None else began_s + limits.time_s
@@ -485,10 +479,7 @@ def solve_and_verify(
 ) -> VerifiedPlan:
     """Plan what is asked, write the program, and judge both; see `plan_request`.
 
-    Raises
-    ------
-    RulesConflict
-        If no lawful plan exists, or none was found.
+    Raises RulesConflict if no lawful plan exists, or none was found.
     """
     planned = plan_request(request, profile, limits, method, simulated=simulated, move_zones=move_zones)
     return verified(planned, profile)

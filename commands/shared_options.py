@@ -220,10 +220,7 @@ def nest_request(
 ) -> NestRequest:
     """What these options ask for; `last` is the plan in which contours have the numbers that locks call them by.
 
-    Raises
-    ------
-    InputError
-        Naming the option, the word that is wrong, and what was expected.
+    Raises InputError naming the option, the word that is wrong, and what was expected.
     """
     from kerfwise.encoder.questions import answers_of
     from kerfwise.jobs.nest_job.request import NestRequest as Asked

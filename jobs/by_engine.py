@@ -74,10 +74,7 @@ class Method(NamedTuple):
     def expect_fits(self, profile: Profile) -> None:
         """Refuse a plan to start from, a first plan or a solver of another engine, and MiniZinc where it cannot plan.
 
-        Raises
-        ------
-        InputError
-            If so, or MiniZinc, or its solver, is missing or broken.
+        Raises InputError if so, or MiniZinc, or its solver, is missing or broken.
         """
         if (self.start is not None or self.first) and not self.is_portfolio:
             raise InputError("a first plan, or one that goes on from another, is made by the engine portfolio alone")

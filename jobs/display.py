@@ -49,10 +49,7 @@ class Picture:
     def save(self, path: str | Path) -> Path:
         """Write the file, whole or not at all.
 
-        Raises
-        ------
-        InputError
-            If it cannot be written, or its name ends otherwise than in the kind of the picture.
+        Raises InputError if it cannot be written, or its name ends otherwise than in the kind of the picture.
         """
         path = Path(path)
         if path.suffix.lower() != f".{self.kind}":

@@ -44,11 +44,8 @@ class Explainer:
     facts
         Of what the plan cuts, where they are known.
 
-    Raises
-    ------
-    InputError
-        If a lock of the profile names what the nest does not have, or a contour cannot be cut; if the plan was made
-        with another profile and this one's rules cannot all hold.
+    Raises InputError if a lock of the profile names what the nest does not have, or a contour cannot be cut; if the
+    plan was made with another profile and this one's rules cannot all hold.
     """
 
     def __init__(self, inputs: Inputs, plan: Plan, facts: Facts | None = None) -> None:
@@ -67,10 +64,7 @@ class Explainer:
     def setting(self) -> PlanContext:
         """The plan as the engines would see it.
 
-        Raises
-        ------
-        InputError
-            If the plan is not one of this nest.
+        Raises InputError if the plan is not one of this nest.
         """
         return make_context(self.facts, self.profile, self.stated, self.plan)
 
@@ -85,10 +79,7 @@ class Explainer:
     def explain(self, contour: str) -> Explanation:
         """What holds the contour in its place, why it is entered so, and what moving it would cost.
 
-        Raises
-        ------
-        InputError
-            If the plan does not cut such a contour; the nearest id is named.
+        Raises InputError if the plan does not cut such a contour; the nearest id is named.
         """
         expect_of_first(self.whole_plan, contour)
         expect_planned(self.facts, self.plan, contour)

@@ -141,10 +141,7 @@ def plan_at_hand(
     AtHand or None
         None where the plan has no contour of the nest, or no lawful order is like it.
 
-    Raises
-    ------
-    RulesConflict
-        If hard orders contradict each other.
+    Raises RulesConflict if hard orders contradict each other.
     """
     cuts = [row.cut for row in of_first_torch(plan).cuts if row.cut.contour in facts.nest.index]
     if not cuts:

@@ -59,10 +59,7 @@ class Inputs:
 def plant_of(profile: ProfileLike = DEFAULT, trust: bool = False) -> Profile:
     """The profile itself, the shipped one of that name, or the one in that file; see `load_profile` for `trust`.
 
-    Raises
-    ------
-    InputError
-        If there is none (with the nearest name), or it is wrong anywhere: with file, line and column.
+    Raises InputError if there is none (with the nearest name), or it is wrong anywhere: with file, line and column.
     """
     if isinstance(profile, Profile):
         return profile
@@ -86,10 +83,7 @@ NOTHING_SAID = DrawingSaid()
 def drawn_nest(nest: NestLike, profile: Profile, said: DrawingSaid = NOTHING_SAID) -> Nest:
     """The nest as it is drawn, read as the profile's section `drawing` and what is said beside it have it.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or what it holds cannot be cut.
+    Raises InputError if the file cannot be read, or what it holds cannot be cut.
     """
     if isinstance(nest, Nest):
         return nest

@@ -266,10 +266,7 @@ def check_made(
     With `plan`, a program has to follow that plan too, which says what the program's own comments do not. What it
     leaves to the machine's material is refused, unless that is `trusted`.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read or understood, or the dialect does not fit the profile.
+    Raises InputError if the file cannot be read or understood, or the dialect does not fit the profile.
     """
     trusted_dialect(inputs.profile)  # a plan is worth nothing on a machine whose programs would not run
     if not isinstance(source, Plan) and not is_plan_file(source):
@@ -351,10 +348,7 @@ def time_made(inputs: Inputs, source: Plan | str | Path, tell: Tell = silent, tr
 
     What a program leaves to the machine's material is refused, unless that is `trusted`.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read or understood, or is one of another nest.
+    Raises InputError if the file cannot be read or understood, or is one of another nest.
     """
     nest, profile = inputs.nest, inputs.profile
     stock: Nest | None = nest

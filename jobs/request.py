@@ -362,11 +362,8 @@ def options_for(nest: Nest, profile: Profile, **limits: Unpack[Limits]) -> Solve
 
     See `SolveOptions` for what each limit means; `work` is 30 and `engine` all of them where nothing is said.
 
-    Raises
-    ------
-    InputError
-        For a limit that is not above 0, a gap outside 0 … 1, a seed that is no whole number from 0, or an engine that
-        there is not.
+    Raises InputError for a limit that is not above 0, a gap outside 0 … 1, a seed that is no whole number from 0, or an
+    engine that there is not.
 
     Examples
     --------

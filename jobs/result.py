@@ -94,10 +94,7 @@ class Result:
     def explain(self, contour: str) -> Explanation:
         """Why a contour is cut where it is, then, and so, and what moving it would cost; print it to read it.
 
-        Raises
-        ------
-        InputError
-            If the plan does not cut such a contour; the nearest id is named.
+        Raises InputError if the plan does not cut such a contour; the nearest id is named.
         """
         return self._explainer.explain(contour)
 
@@ -113,10 +110,7 @@ class Result:
     def picture(self, kind: PictureKind = "svg") -> Picture:
         """Order numbers, zones, pierces, leads, directions and idle travel; html is a page with all that is known.
 
-        Raises
-        ------
-        InputError
-            For another kind of picture.
+        Raises InputError for another kind of picture.
         """
         if kind == "html":
             page = app_module("viewer.page.page_data")
@@ -127,10 +121,7 @@ class Result:
     def to_frame(self) -> pandas.DataFrame:
         """The cuts as a table, a row each: lengths in mm, times in s from the program's start.
 
-        Raises
-        ------
-        InputError
-            If pandas is not installed.
+        Raises InputError if pandas is not installed.
         """
         return data_frame(list(cut_rows(self.plan)), CUT_COLUMNS)
 

@@ -30,11 +30,8 @@ def already_cut(
 ) -> AlreadyCut:
     """What is cut already, by an old plan or program (or the file of one) as far as it has come.
 
-    Raises
-    ------
-    InputError
-        If one of the two is given without the other, and no lock calls a cut by its number in the old plan; if the
-        file cannot be read or does not fit the nest, or nothing is left to cut.
+    Raises InputError if one of the two is given without the other, and no lock calls a cut by its number in the old
+    plan; if the file cannot be read or does not fit the nest, or nothing is left to cut.
     """
     if upto is None and not redo_last and (old is None or _names_cuts_only(inputs)):
         return NOTHING_CUT

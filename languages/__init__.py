@@ -26,10 +26,7 @@ class Texts(NamedTuple):
 def catalogue(language: str) -> gettext.NullTranslations:
     """The messages of a language; those of English say what they are asked.
 
-    Raises
-    ------
-    KeyError
-        For a language that is none of `LANGUAGES`.
+    Raises KeyError for a language that is none of `LANGUAGES`.
     """
     if language == ENGLISH:
         return gettext.NullTranslations()

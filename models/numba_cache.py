@@ -175,10 +175,7 @@ class Files:
     def save(self, key: object, kernel: object) -> None:
         """Keep a kernel, in place of what was kept for the key.
 
-        Raises
-        ------
-        OSError
-            If it cannot be written.
+        Raises OSError if it cannot be written.
         """
         write_sealed(self.path(key), self.made_by, _serialize.dumps(kernel))
 

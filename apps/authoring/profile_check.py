@@ -206,10 +206,7 @@ def _counts_though_off(profile: Profile, name: str) -> bool:
 def checked(name: str, trust: bool = False) -> Profile:
     """The profile of that name or path, once all of it is known to do.
 
-    Raises
-    ------
-    InputError
-        If it is wrong anywhere, or nothing could be planned with it: with its place.
+    Raises InputError if it is wrong anywhere, or nothing could be planned with it: with its place.
     """
     profile = load_profile(name, trust=trust)
     try:

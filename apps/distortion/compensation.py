@@ -99,11 +99,8 @@ class Compensated:
 def compensated(nest: Nest, errors: Sequence[PartError], kind: Kind, kerf_mm: float) -> Compensated:
     """The nest, as it is drawn, with each part changed by what it will be off; one that is not cut stays.
 
-    Raises
-    ------
-    InputError
-        If a part would be changed by more than any cut does, gaps between parts became narrower than the kerf, a part
-        reached over the edge of the sheet, or bridges join parts.
+    Raises InputError if a part would be changed by more than any cut does, gaps between parts became narrower than the
+    kerf, a part reached over the edge of the sheet, or bridges join parts.
     """
     drawn = nest.drawn or nest
     if drawn.bridges or drawn.apart:

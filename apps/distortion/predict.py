@@ -77,10 +77,7 @@ class Distortion:
     def compensated(self, kind: Kind = "size") -> Compensated:
         """The nest with its parts drawn so that, cut by this plan, they come out as wanted: in size, or in shape too.
 
-        Raises
-        ------
-        InputError
-            If a part would be changed by more than any cut does, or there is no room for what is larger.
+        Raises InputError if a part would be changed by more than any cut does, or there is no room for what is larger.
         """
         return compensated(self.nest, self.parts, kind, self.how.kerf_mm)
 
@@ -182,11 +179,8 @@ def distort_made(
     trusted
         What a program leaves to the machine's material.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is one of another nest, the plan states no times, the grid does not fit the sheet,
-        or nothing is known of the material's strength.
+    Raises InputError if the file cannot be read or is one of another nest, the plan states no times, the grid does not
+    fit the sheet, or nothing is known of the material's strength.
     """
     return distort_path(inputs, _path_of(inputs, plan, tell, trusted), grid_mm, yields)
 

@@ -163,11 +163,8 @@ class EditedNest:
 
         A change may be a line such as "drop P1", "move P2 10 0", "turn P2 90" or "add bracket.dxf=2": see `edit_of`.
 
-        Raises
-        ------
-        InputError
-            If there is no such part, it is cut already, parts come too near to each other or to the edge, or what is to
-            be laid has no room: with all collisions.
+        Raises InputError if there is no such part, it is cut already, parts come too near to each other or to the edge,
+        or what is to be laid has no room: with all collisions.
         """
         if self.base.bridges or self.base.apart:
             raise InputError("a nest with bridges between parts cannot be edited: take them out of the drawing first")
@@ -238,10 +235,7 @@ class EditedNest:
     def save(self, path: str | Path) -> Path:
         """Write the nest as kerfwise-nest/1.
 
-        Raises
-        ------
-        InputError
-            If there is no such folder, or it cannot be written.
+        Raises InputError if there is no such folder, or it cannot be written.
         """
         out = Path(path)
         expect_outputs([out], [Path(self.base.file)] if self.base.file else [])

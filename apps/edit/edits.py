@@ -104,10 +104,7 @@ def edit_of(line: str, reading: ReadOptions = ReadOptions()) -> Edit:  # noqa: B
     Names with blanks stand in quotes. A sheet is given as `sheet 400x300`; `add FILE=N` adds parts of a file, which is
     read as `reading` says.
 
-    Raises
-    ------
-    InputError
-        With what was expected.
+    Raises InputError with what was expected.
 
     Examples
     --------

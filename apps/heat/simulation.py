@@ -80,10 +80,7 @@ class Simulation:
     def to_frame(self) -> pandas.DataFrame:
         """A row for each part: part, peak_c, overheats, above_s.
 
-        Raises
-        ------
-        InputError
-            If pandas is not installed.
+        Raises InputError if pandas is not installed.
         """
         return data_frame(self.as_json()["parts"])
 
@@ -151,11 +148,8 @@ def simulate_made(
     So many `frames` are drawn, evenly over the program. What a program leaves to the machine's material is
     refused, unless that is `trusted`.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is one of another nest, the plan states no times, there is no such model, or the
-        grid is too fine for the sheet or too coarse for its parts.
+    Raises InputError if the file cannot be read or is one of another nest, the plan states no times, there is no such
+    model, or the grid is too fine for the sheet or too coarse for its parts.
     """
     _expect_model(model)
     path = path_of_made(plan, inputs, tell, trusted)

@@ -308,10 +308,7 @@ class Nests:
     def save(self, folder: str | Path, dxf: bool = False) -> list[Path]:
         """Write nests, pictures and the table, and of `make` programs and plans, as the command line does.
 
-        Raises
-        ------
-        InputError
-            If the folder holds files of others.
+        Raises InputError if the folder holds files of others.
         """
         out = Path(folder)
         expect_folder(out)

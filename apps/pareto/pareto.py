@@ -149,20 +149,14 @@ class Offer:
     def to_frame(self) -> pandas.DataFrame:
         """`rows` as a table.
 
-        Raises
-        ------
-        InputError
-            If pandas is not installed.
+        Raises InputError if pandas is not installed.
         """
         return data_frame(self.rows())
 
     def save(self, folder: str | Path) -> tuple[Path, ...]:
         """Write the plan and the program of each price to a folder, all or none; the check must take them.
 
-        Raises
-        ------
-        InputError
-            If they cannot be written.
+        Raises InputError if they cannot be written.
         """
         from kerfwise.postproc.output_files import make_folder, write_files
 

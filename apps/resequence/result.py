@@ -97,10 +97,7 @@ class Resequenced:
     def save(self, path: str | Path) -> Path:
         """Write the new program, whole or not at all; it may not take the place of the old one.
 
-        Raises
-        ------
-        InputError
-            If it cannot be written there.
+        Raises InputError if it cannot be written there.
         """
         path = Path(path)
         expect_outputs([path], [Path(self.name)])

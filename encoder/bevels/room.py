@@ -87,10 +87,7 @@ class Bevelling:
     def passes_of(self, drawn: Contour, cut: Cut) -> tuple[TiltedPath, ...]:
         """The passes of a cut of a contour with a bevel, which is as drawn.
 
-        Raises
-        ------
-        InputError
-            If the torch cannot go so, with why.
+        Raises InputError if the torch cannot go so, with why.
         """
         return tilted_paths(drawn, cut, self.loops[drawn.id], self.options)
 

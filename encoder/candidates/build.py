@@ -49,11 +49,8 @@ def build_candidates(
     -------
     Sorted by contour, then by entry along it; the same for the same nest and options.
 
-    Raises
-    ------
-    InputError
-        For contours that the kerf leaves nothing of, that have no room for a lead, and holes too small to be cut: in
-        groups, with the option that frees each.
+    Raises InputError for contours that the kerf leaves nothing of, that have no room for a lead, and holes too small to
+    be cut: in groups, with the option that frees each.
 
     Examples
     --------

@@ -47,10 +47,7 @@ def offset_ring(outline: Floats, distance_mm: float, patient: bool = False) -> F
     -------
     Array (m, 2), running the same way round as the outline, first point not repeated.
 
-    Raises
-    ------
-    ValueError
-        If nothing is left.
+    Raises ValueError if nothing is left.
     """
     reach_mm = abs(distance_mm)
     closed = np.concatenate([outline, outline[:1]])

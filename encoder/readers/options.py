@@ -77,10 +77,8 @@ class ReadOptions:
     bevels
         Which bevel closed lines have, by their layer (a regular expression) or their colour.
 
-    Raises
-    ------
-    InputError
-        For an unknown unit, a size that is not positive, or an unknown word for `frame`, `open_lines` or `scrap_lines`.
+    Raises InputError for an unknown unit, a size that is not positive, or an unknown word for `frame`, `open_lines` or
+    `scrap_lines`.
 
     Examples
     --------

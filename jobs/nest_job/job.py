@@ -56,10 +56,7 @@ class Day(OptionKind):
 def day_of(text: str) -> str:
     """A day of the calendar as programs say it, year first; "" for none.
 
-    Raises
-    ------
-    InputError
-        For anything else.
+    Raises InputError for anything else.
     """
     try:
         return datetime.date.fromisoformat(text).isoformat() if text else ""
@@ -138,10 +135,7 @@ def read_job(path: str | Path) -> Job:
 
     What it names (a profile, contours, keys of the profile) is looked up where the job is used: see `jobs/inputs.py`.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or is wrong anywhere, with line and column: all mistakes at once.
+    Raises InputError if the file cannot be read, or is wrong anywhere, with line and column: all mistakes at once.
     """
     data = read_named(path, "the job file", MOST_BYTES_OF_YAML)
     return replace(job_of(utf8_text(data, "a job file", path), str(path)), sha256=hashlib.sha256(data).hexdigest())

@@ -113,10 +113,7 @@ def profile_for(request: NestRequest, job: Job | None, tell: Tell = silent) -> P
 def answered(plant: Profile, job: Job | None, answers: Answers) -> Profile:
     """The profile with the answers of the job file, and those given beside it, to questions that the drawing raises.
 
-    Raises
-    ------
-    InputError
-        For an answer to a question that no drawing raises, or a choice that it does not have.
+    Raises InputError for an answer to a question that no drawing raises, or a choice that it does not have.
     """
     for question, choice in answers:
         if (problem := answer_problem(question, choice)) is not None:
@@ -146,10 +143,7 @@ def profile_with_locks(plant: Profile, request: NestRequest, job: Job | None) ->
 def inputs_for(nest: NestLike, request: NestRequest = NOTHING, tell: Tell = silent) -> Inputs:
     """A nest as it is to be cut, and its profile, with all that is asked for it.
 
-    Raises
-    ------
-    InputError
-        If something given cannot be read, or is wrong: with its place.
+    Raises InputError if something given cannot be read, or is wrong: with its place.
     """
     laid = isinstance(request.profile, Profile) and request.profile.for_one_nest is not None
     job = None if laid and request.job is None else job_for(nest, request.job, tell)

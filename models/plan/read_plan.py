@@ -41,10 +41,8 @@ MOST_LEAD_MM = 100_000.0
 def read_plan(path: str | Path) -> Plan:
     """Read a kerfwise-plan/1 file.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is not JSON, or holds what the format does not allow, with line and column.
+    Raises InputError if the file cannot be read, is not JSON, or holds what the format does not allow, with line and
+    column.
     """
     try:
         data = read_limited(path)

@@ -163,10 +163,7 @@ def torch_path(contour: Contour, cut: Cut, kerf_mm: float) -> Curve:
     closed one once round from its entry; a slit along its line from the end of its lead-in. Over tabs the path goes on,
     see `unlit_on`; before one at the end of the round it ends.
 
-    Raises
-    ------
-    InputError
-        If the kerf leaves nothing of the contour to cut.
+    Raises InputError if the kerf leaves nothing of the contour to cut.
 
     Examples
     --------

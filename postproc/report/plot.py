@@ -305,10 +305,7 @@ def draw(nest: Nest, plan: Plan | None, suffix: str, home: Point = (0.0, 0.0), s
     spot
         Contours to draw large, in red, with what is around them; the whole sheet is drawn without.
 
-    Raises
-    ------
-    InputError
-        If the suffix is another, or the plan or the spot is not of this nest.
+    Raises InputError if the suffix is another, or the plan or the spot is not of this nest.
     """
     expect_picture(suffix)
     if suffix.lower() == PAGE:

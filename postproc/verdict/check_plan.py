@@ -214,11 +214,8 @@ def judge(
     A program in a dialect without comments is held against the plan, as `check --plan` does. `planned` is the verdict
     on the plan, where that is known.
 
-    Raises
-    ------
-    InputError
-        If the program that the profile's dialect makes of the plan cannot be read back: with the block, for nobody has
-        the program.
+    Raises InputError if the program that the profile's dialect makes of the plan cannot be read back: with the block,
+    for nobody has the program.
     """
     planned = planned or check_plan(nest, plan, profile)
     by_rules = planned.by_rules

@@ -317,10 +317,7 @@ def _is_nothing(text: str) -> bool:
 def cell(column: str, node: yaml.Node) -> Value:
     """The value of a node in a column.
 
-    Raises
-    ------
-    Unfit
-        If it is none, or so far off that another unit must be meant.
+    Raises Unfit if it is none, or so far off that another unit must be meant.
     """
     kind = column_of(column).kind
     value = kind.read(node)

@@ -99,10 +99,7 @@ class ModelRule(Rule[Any]):
     def expect_small(self, nest: Nest) -> None:
         """Refuse a nest whose square tables would be too large for MiniZinc.
 
-        Raises
-        ------
-        InputError
-            If it has more than `MOST_CONTOURS`.
+        Raises InputError if it has more than `MOST_CONTOURS`.
         """
         if len(nest.contours) > MOST_CONTOURS:
             raise InputError(
@@ -183,10 +180,7 @@ class ModelRule(Rule[Any]):
     def further(self, options: Any) -> list[Further]:
         """Arrays of the rule whose place it takes that the file states beside its first, each at its own price.
 
-        Raises
-        ------
-        InputError
-            If that rule is asked for seconds, which stand in another file.
+        Raises InputError if that rule is asked for seconds, which stand in another file.
         """
         if self.replaces is None:
             return []

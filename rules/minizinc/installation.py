@@ -135,10 +135,7 @@ def run(program: str, words: Sequence[str], limit_s: float) -> Ran:
     It prints into files, not pipes: one that hangs may have left children that hold a pipe open. It ends with all that
     it has begun where this process ends, however that is ended, but on Windows.
 
-    Raises
-    ------
-    InputError
-        If it cannot be started.
+    Raises InputError if it cannot be started.
     """
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         try:

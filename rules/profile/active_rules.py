@@ -129,10 +129,8 @@ def resolve_defaults(
 
     `known` are the rules that `rules` has settings of.
 
-    Raises
-    ------
-    KeyError
-        If neither `Plant` nor an option that a rule shares has the name of such a field: the rule's author is wrong.
+    Raises KeyError if neither `Plant` nor an option that a rule shares has the name of such a field: the rule's author
+    is wrong.
     """
     fields = dataclasses.fields(options)
     values = {f.name: getattr(options, f.name) for f in fields}

@@ -133,10 +133,7 @@ def with_python_files(node: yaml.Node, profile_files: GivenFiles, problems: Prob
 
     A file's rules have the strength that they give themselves. Files of a profile that this one is based on stay.
 
-    Raises
-    ------
-    InputError
-        If a file is not trusted, or its rules cannot be used: nothing after it would mean anything.
+    Raises InputError if a file is not trusted, or its rules cannot be used: nothing after it would mean anything.
     """
     files = list(profile_files["python"])
     rules: dict[str, Rule[Any]] = dict(profile_files["further_rules"])
@@ -256,10 +253,7 @@ class ChartUse:
 def with_chart(found: Mapping[str, yaml.Node], values: dict[str, Any], problems: Problems) -> dict[str, Any]:
     """The sections of a profile with what its chart has for them; `found` are the nodes that this file gives.
 
-    Raises
-    ------
-    InputError
-        If the chart cannot be read, or is wrong anywhere: with its own lines.
+    Raises InputError if the chart cannot be read, or is wrong anywhere: with its own lines.
     """
     material: Material = values["material"]
     own = _said(found)

@@ -54,12 +54,9 @@ def load_profile(name_or_path: str | Path = DEFAULT, *, trust: bool = False) -> 
     `trust` lets it run the Python files that it names; without it only those run that the machine's configuration
     allows, see `rules/outside/__init__.py`.
 
-    Raises
-    ------
-    InputError
-        If there is none, or it has a wrong key, type or value: with file, line, column, what was expected, and the
-        nearest valid name. All mistakes of a file are reported at once. Also if a rule that a package or a Python file
-        brings cannot be used, or the profile names a Python file that is not trusted.
+    Raises InputError if there is none, or it has a wrong key, type or value: with file, line, column, what was
+    expected, and the nearest valid name. All mistakes of a file are reported at once. Also if a rule that a package or
+    a Python file brings cannot be used, or the profile names a Python file that is not trusted.
     """
     return _load(str(name_or_path), Path(), (), trust)
 
@@ -108,10 +105,7 @@ def shipped_profiles() -> dict[str, Traversable]:
 def profile_text(name_or_path: str | Path) -> str:
     """The text of the shipped profile of that name, or of the one in that file, comments and all.
 
-    Raises
-    ------
-    InputError
-        If there is none, or it is not UTF-8.
+    Raises InputError if there is none, or it is not UTF-8.
     """
     file, _, content = content_of(str(name_or_path), Path())
     return utf8_text(content, "a profile", file)
@@ -182,10 +176,7 @@ def digest_of(content: bytes, profile: Profile, bases: Sequence[str]) -> str:
 def parameters_of(path: Path) -> dict[str, OptionKind]:
     """The parameters that the rule in a model file declares, by key.
 
-    Raises
-    ------
-    InputError
-        If the file is no rule.
+    Raises InputError if the file is no rule.
     """
     from kerfwise.rules.flat.model_file import read_model_file
     from kerfwise.rules.flat.model_rule import options_class
@@ -208,10 +199,7 @@ def read_profile_values(
 
     `trust` lets Python files run that the text names.
 
-    Raises
-    ------
-    InputError
-        If the text is not YAML, or has a wrong key, type or value anywhere.
+    Raises InputError if the text is not YAML, or has a wrong key, type or value anywhere.
     """
     return profile_values(compose(text, file), Problems(file), start, load_base, trust)
 

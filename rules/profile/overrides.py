@@ -53,10 +53,7 @@ class Setting:
 def read_setting(text: str) -> Setting:
     """The setting of `KEY=VALUE`, the value as a profile has it.
 
-    Raises
-    ------
-    InputError
-        If it is not of this form.
+    Raises InputError if it is not of this form.
 
     Examples
     --------
@@ -90,10 +87,7 @@ def read_settings(node: yaml.Node, problems: Problems) -> tuple[Setting, ...]:
 def with_settings(profile: Profile, settings: Sequence[Setting], file: str = COMMAND_LINE) -> Profile:
     """The profile with what is set in the place of its own values; all is checked as if the profile said it.
 
-    Raises
-    ------
-    InputError
-        If a key or a value is wrong: with its place in `file`.
+    Raises InputError if a key or a value is wrong: with its place in `file`.
     """
     if not settings:
         return profile
@@ -193,11 +187,8 @@ def with_rule(profile: Profile, name: str, strength: Strength | None = None) -> 
 
     Its sha256 is another, for it is not the profile of the file any more.
 
-    Raises
-    ------
-    InputError
-        For a rule that there is not, with the nearest name, a strength that it cannot have, or options of the rule that
-        contradict the rest of the profile.
+    Raises InputError for a rule that there is not, with the nearest name, a strength that it cannot have, or options of
+    the rule that contradict the rest of the profile.
 
     Examples
     --------
@@ -288,10 +279,7 @@ def read_lock(text: str) -> Lock:
 
     Names that hold blanks and a word of the language stand in double quotes; in them a double quote is written twice.
 
-    Raises
-    ------
-    InputError
-        With the text, the word that is wrong, and what was expected.
+    Raises InputError with the text, the word that is wrong, and what was expected.
 
     Examples
     --------

@@ -89,10 +89,7 @@ class Profile(Technique):
     def as_answered(self) -> Profile:
         """The profile with what `drawing.answers` says of slots narrower than the kerf, small holes and shared edges.
 
-        Raises
-        ------
-        InputError
-            For an answer that is none of the choices.
+        Raises InputError for an answer that is none of the choices.
         """
         answers = dict(self.drawing.answers)
         cuts, holes, machine = self.cuts, self.small_holes, self.machine

@@ -224,11 +224,8 @@ def with_rule_values(text: str, values: Sequence[RuleValue]) -> str:
 
     Whether a profile may have these values is not looked at: see `expect_usable` in `apps/authoring/profile_check.py`.
 
-    Raises
-    ------
-    InputError
-        If the text is not YAML, a value is not, or the text is written so that a value cannot be set without changing
-        another one, such as with an alias.
+    Raises InputError if the text is not YAML, a value is not, or the text is written so that a value cannot be set
+    without changing another one, such as with an alias.
 
     Examples
     --------

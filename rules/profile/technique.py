@@ -103,11 +103,8 @@ class Technique(ActiveRules):
         So has the skeleton its lines, where the profile has them made. Of parts that touch it is what they keep, where
         the profile accepts the loss.
 
-        Raises
-        ------
-        InputError
-            If a bridge of the nest is narrower than the kerf, a part has no room to lose what it is to lose, or the
-            sheet has none for a bevel.
+        Raises InputError if a bridge of the nest is narrower than the kerf, a part has no room to lose what it is to
+        lose, or the sheet has none for a bevel.
         """
         expect_wider(nest, self.material.kerf_mm)
         cut_nest = self.without_losses(with_small_holes(nest, self.hole_limits()))
@@ -121,10 +118,7 @@ class Technique(ActiveRules):
     def bevelling_of(self, nest: Nest) -> Bevelling | None:
         """Which corners of a nest as it is cut have loops; None where no contour has a bevel.
 
-        Raises
-        ------
-        InputError
-            For bevels that cannot be cut as they are drawn.
+        Raises InputError for bevels that cannot be cut as they are drawn.
         """
         options = self.bevel_options()
         if options is None or next(bevelled(nest), None) is None:

@@ -68,10 +68,7 @@ class Comparison(Compared):
     def save(self, *paths: str | Path) -> tuple[Path, ...]:
         """Write it as .svg, .png, .html or .pdf, by the ends of the names: all files or none.
 
-        Raises
-        ------
-        InputError
-            If a name ends otherwise, or a file cannot be written.
+        Raises InputError if a name ends otherwise, or a file cannot be written.
         """
         expect_kinds(paths)
         write_files({Path(path): content_of(self, Path(path).suffix.lower()) for path in paths})

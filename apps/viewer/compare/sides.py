@@ -223,10 +223,7 @@ def pair_of(
     with_, without
         Rules, such as `t-max` or `hull-before=soft`, that B is planned with and without.
 
-    Raises
-    ------
-    InputError
-        For a rule that there is not, with the nearest name, or a strength that it cannot have.
+    Raises InputError for a rule that there is not, with the nearest name, or a strength that it cannot have.
     """
     changed, changes = _changed(inputs[1], with_, without)
     by_profile = tuple(f"by profile {one.profile.name}" for one in inputs)

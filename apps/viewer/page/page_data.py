@@ -55,10 +55,7 @@ def page_data(
         How much is worked out of why each contour is cut where it is; None for all in plans of up to `FULL` contours,
         and for what holds each in larger ones.
 
-    Raises
-    ------
-    InputError
-        If the plan is one of another nest.
+    Raises InputError if the plan is one of another nest.
     """
     home = inputs.profile.home_on(inputs.nest)
     if plan is None:

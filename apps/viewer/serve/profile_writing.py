@@ -31,10 +31,8 @@ async def profile_told(server: Server, session: Session) -> dict[str, Any]:
 async def write_profile(server: Server, session: Session, body: dict[str, Any]) -> dict[str, Any]:
     """Write values into the profile, or into a new one that is based on it, and plan by that from now on.
 
-    Raises
-    ------
-    InputError, Refused
-        If the profile lies where nothing is written, was changed meanwhile, or cannot say this. Then it is as it was.
+    Raises InputError, Refused if the profile lies where nothing is written, was changed meanwhile, or cannot say this.
+    Then it is as it was.
     """
     values, new, version = values_of(body.get("changes")), body.get("as"), session.version
     if new is not None and not isinstance(new, str):

@@ -71,10 +71,7 @@ def serve(
     another
         Called with the next address, once a browser has used the last one.
 
-    Raises
-    ------
-    InputError
-        If there is no such folder or nest, or the port is taken.
+    Raises InputError if there is no such folder or nest, or the port is taken.
     """
     folder, first = _folder_of(path)
     server = Server(folder, profile, work, trust, memory_gb, state, also)

@@ -373,11 +373,9 @@ def save(session: Session, folder: Folder, profile_sha256: str, picture: str) ->
 
     `profile_sha256` is that of the profile as it is on disk now, `picture` that of the plan.
 
-    Raises
-    ------
-    InputError
-        If there is no plan, the check refuses it, the nest, the job file or the profile has changed on disk, a job
-        file was saved that the plan was made without, a file is of another nest, or a link leads out of the folder.
+    Raises InputError if there is no plan, the check refuses it, the nest, the job file or the profile has changed on
+    disk, a job file was saved that the plan was made without, a file is of another nest, or a link leads out of the
+    folder.
     """
     current = session.current
     if current is None:

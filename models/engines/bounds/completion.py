@@ -88,10 +88,7 @@ def complete(
     most
         Deterministic seconds of which a bound is of no use if it takes as many.
 
-    Raises
-    ------
-    TooMuch
-        If one round takes `most` or more.
+    Raises TooMuch if one round takes `most` or more.
     """
     n = problem.n
     lawful, first = problem.successors(), problem.first

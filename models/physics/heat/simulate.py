@@ -48,11 +48,8 @@ def simulate(
         That of `make_grid`, where several programs of one nest are simulated: it is made once then, and may be shared
         by threads.
 
-    Raises
-    ------
-    InputError
-        If the grid is too fine for the sheet or too coarse for its parts, the program takes over a week or too many
-        steps, or the logical scheme would not be stable.
+    Raises InputError if the grid is too fine for the sheet or too coarse for its parts, the program takes over a week
+    or too many steps, or the logical scheme would not be stable.
     """
     grid = make_grid(nest, heat.grid_mm) if grid is None else grid
     expect_bounded(int(grid.metal.sum()), path, heat)
@@ -212,11 +209,8 @@ def expect_bounded(metal_points: int, path: TimedPath, heat: Heat) -> None:
     heat
         The profile's section `heat`.
 
-    Raises
-    ------
-    InputError
-        If the program takes over a week, naming the contour that takes the longest; or if the grid's points times the
-        steps in time are too many, naming the profile's key.
+    Raises InputError if the program takes over a week, naming the contour that takes the longest; or if the grid's
+    points times the steps in time are too many, naming the profile's key.
     """
     expect_short(path)
     if heat.model == "logical":

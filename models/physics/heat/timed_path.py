@@ -129,10 +129,7 @@ def without_tabs(burn: TorchOn, unlit_mm: Sequence[tuple[float, float]]) -> tupl
 def in_order(burns: Sequence[TorchOn], end_s: float) -> TimedPath:
     """The path of these stretches.
 
-    Raises
-    ------
-    InputError
-        If one of the first torch begins before the one before it has ended, by more than 10 ms.
+    Raises InputError if one of the first torch begins before the one before it has ended, by more than 10 ms.
     """
     for before, after in pairwise(burn for burn in burns if burn.torch == 1):
         if after.at_s[0] < before.at_s[-1] - 0.01:

@@ -129,10 +129,7 @@ def find_conflict(facts: Facts, profile: Profile, deadline: Deadline | None = No
     Looked for among statements on order and entries first; where these can hold, among all, what moves cross and
     seconds included, by the engines. No more is spent than the deadline allows: what is told then was shown before.
 
-    Raises
-    ------
-    NotAnswered
-        If it was not shown whether there is a contradiction.
+    Raises NotAnswered if it was not shown whether there is a contradiction.
     """
     deadline = deadline or Deadline(DEFAULT_WORK)
     statements, _ = every_statement(facts, profile)

@@ -223,10 +223,7 @@ def _ask(built: OrderModel, statement: CanClash, holds: IntVar) -> None:
 def clash(facts: Facts, groups: Sequence[Group], deadline: Deadline) -> list[int] | None:
     """Numbers of groups that cannot all hold, not yet the fewest; None if all can.
 
-    Raises
-    ------
-    NotAnswered
-        If neither was shown within `WORK`, or the deadline is reached.
+    Raises NotAnswered if neither was shown within `WORK`, or the deadline is reached.
     """
     if not groups:
         return None

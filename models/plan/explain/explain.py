@@ -47,10 +47,8 @@ from .reasons import EXEMPTION_UM, KeptOrders, Reasons, price_split
 def explain(facts: Facts, profile: Technique, stated: Stated, plan: Plan, contour: str) -> Explanation:
     """Explain one contour of a plan under the facts and statements as they are now.
 
-    Raises
-    ------
-    InputError
-        If the nest has no such contour (the nearest names are given), or the plan is not one of this nest.
+    Raises InputError if the nest has no such contour (the nearest names are given), or the plan is not one of this
+    nest.
     """
     expect_planned(facts, plan, contour)
     return explained(make_context(facts, profile, stated, plan), plan, contour)
