@@ -152,6 +152,8 @@ def _deepest(line: shapely.LineString, metal: shapely.Geometry, half_mm: float) 
     stands = line.length == 0  # for shapely such a line has nothing in common with any area
     inside = line if stands else shapely.segmentize(shapely.intersection(line, metal), _STEP_MM)
     points = shapely.get_coordinates(inside)
+    if not len(points):  # they touch, to within what a number tells
+        points = shapely.get_coordinates(shapely.shortest_line(line, metal))
     depths_mm = shapely.distance(shapely.boundary(metal), shapely.points(points))
     k = int(np.argmax(depths_mm))
     x, y = points[k].tolist()

@@ -14,6 +14,8 @@
 A block is a number without a sign, or one with a sign and a value behind it, or a move: signed numbers of 0.1 mm. An
 arc has five: to its end, to its centre, and a sign (+ counter-clockwise); or to its end, its radius, a sign for the
 long way round (+), and one for the direction (+ clockwise). Only its control says which: the two cannot be told apart.
+What starts a tool has its own number that stops it, the next. Where the last block is 0, any 0 ends the program; else
+it stops it.
 What is not known, or shifts the path (kerf, mirrors, subprograms), is refused with the line. Sources: Hypertherm
 809550, Thermal Dynamics 0-5399, Plasmatic's Precision Layout; the standard itself is not public.
 """
@@ -38,7 +40,8 @@ _FIELD = re.compile(r"[+-][0-9]{0,8}")
 _ENDS = frozenset({0, 63, 64, 90, 99})
 _STARTS: Mapping[int, int] = {7: 0, 53: 0, 9: 1, 13: 1}
 _STOPS: Mapping[int, int] = {8: 0, 54: 0, 10: 1, 14: 1}
-_HEIGHT = frozenset({45, 46, 47, 48, 67, 68})
+_HEIGHT: Mapping[int, bool] = {47: False, 68: False, 48: True, 67: True}
+"""What starts height control, and what stops it."""
 _SETS: Mapping[str, str] = {
     "5": "rapid", "6": "rapid", "39": "F", "45": "sensor", "46": "sensor", "47": "height", "48": "height",
     "67": "height", "68": "height", "71": "units", "81": "distance",
@@ -79,6 +82,7 @@ class _Program:
     feed_mm_min: float = 0.0
     rapid: bool | None = None
     said: set[int] = field(default_factory=set)
+    lit: dict[int, int] = field(default_factory=dict)
     blocks: int = 0
 
     def run(self, line: int, text: str) -> None:
@@ -107,9 +111,16 @@ class _Program:
         if sign is not None:
             raise _refused(line, f"{code}{sign}{value} is not understood, and not supported here")
         if code in _STARTS:
+            before = self.lit.setdefault(_STARTS[code], code)
+            if before != code:
+                raise _refused(line, f"{code} where {before} has started before: two processes are not supported here")
             self.tools.start(_STARTS[code], line)
         elif code in _STOPS:
+            if _STOPS[code] in self.tools.on and self.lit[_STOPS[code]] != code - 1:
+                raise _refused(line, f"{code} does not stop what {self.lit[_STOPS[code]]} has started")
             self.tools.stop(_STOPS[code])
+        elif code in _HEIGHT:
+            self.tools.hold(_HEIGHT[code], line)
         elif code in (5, 6):
             self.rapid = code == 5
         elif code in (71, 81):
@@ -119,7 +130,7 @@ class _Program:
                 self.track.fault(line, "torch-off-travel", "0 stops the program while the torch is on")
         elif code == 63:
             self.tools.stop(-1)
-        elif code not in _HEIGHT and code != 38:
+        elif code not in (38, 45, 46):
             raise _refused(line, f"{code} is not understood, and not supported here; post the program without")
 
     def _valued(self, line: int, code: int, value: int) -> None:
@@ -203,7 +214,7 @@ def read_essi(
             last = blocks[-1][0] if blocks else None
             raise InputError("the program has no end: expected 0, 63, 64, 90 or 99 alone in its last line", line=last)
         for line, block in blocks[:-1]:
-            if block in ("64", "90", "99"):
+            if block in ("64", "90", "99", blocks[-1][1]):
                 raise _refused(line, "words behind the program's end, which no control runs: not supported here")
             before = track.wait_s
             program.run(line, block)

@@ -61,6 +61,10 @@ class ToolsOn(ABC):
         if self.track.open is None:
             self.track.begin(tool, line, self.held_s[0] if tool == 0 else self.held_s[1])
 
+    def hold(self, stops: bool, line: int) -> None:
+        """Stop height control, or start it again."""
+        self.held_from = (line if self.on else self.held_from) if stops else 0
+
     def stop(self, tool: int) -> None:
         """Stop a tool, or all."""
         self.on = [] if tool == ALL else [t for t in self.on if t != tool]
@@ -140,8 +144,7 @@ class Tools(ToolsOn):
             elif word.value == self.control.process:
                 self._process(word, block)
             elif word.value in self.control.heights and "P" not in block.words:
-                stops = word.value == self.control.heights[0]
-                self.held_from = (block.line if self.on else self.held_from) if stops else 0
+                self.hold(word.value == self.control.heights[0], block.line)
             elif word.value in self.control.starts:
                 self._start(word, block)
             elif word.value in self.control.stops:

@@ -182,3 +182,11 @@ def test_rounds_that_leave_a_clear_ring_are_held_against_metal() -> None:
     assert asked == [6, 7]
     assert told == plainly
     assert {name for violation in told for name in violation.contours} >= {"P1.outer", "P2.outer", "P4.outer"}
+
+
+def test_a_path_that_touches_metal_to_within_rounding_takes_half_a_kerf_of_it() -> None:
+    """It is no way off, and has nothing in common."""
+    line = shapely.LineString([(150, 30 - 4e-15), (149.8439277423871, 30.015371775677412)])
+    metal = shapely.Polygon([(150, 30), (230, 30), (230, 60), (190, 60), (190, 110), (150, 110)])
+    assert shapely.distance(line, metal) == 0
+    assert gouging._deepest(line, metal, 0.8)[0] == pytest.approx(0.8)

@@ -91,6 +91,10 @@ def test_the_same_digits_turn_opposite_ways_on_the_two_controls() -> None:
         ("6\n53\n39+600\n+1000+1000+100+100+\n54", "the arc's radius is"),
         ("6\n53\n39+600\n+1000+1000+100-+\n54", "the arc's radius is|no radius"),
         ("64\n+10+10", "words behind the program's end"),
+        ("0\n+10+10", "words behind the program's end"),
+        ("6\n53\n39+600\n+100+\n8", "8 does not stop what 53 has started"),
+        ("6\n9\n39+600\n+100+\n14", "14 does not stop what 9 has started"),
+        ("6\n53\n39+600\n+100+\n54\n7\n+100+\n8", "7 where 53 has started before"),
     ],
 )
 def test_what_is_not_understood_is_refused_with_its_line(body: str, said: str | None) -> None:
@@ -112,12 +116,13 @@ def test_a_program_without_its_end() -> None:
     [
         ("6\n53\n39+600\n+100+\n5\n+50+50\n54", None),  # a rapid with the torch on
         ("6\n53\n39+600\n+100+\n0\n54", "torch-off-travel"),
+        ("6\n53\n39+600\n48\n+100+\n54\n53\n+100+\n54", "program-state"),
         ("6\n53\n39+600\n+100+", "torch-off-travel"),
         ("6\n53\n53\n39+600\n+100+\n54", "torch-off-travel"),
     ],
 )
 def test_a_torch_left_on_is_told(body: str, rule: str | None) -> None:
-    program = essi(body)
+    program = read_nc(f"{HEAD}{body}\n64\n", control=CONTROLS["essi"])
     assert program.hot_rapids if rule is None else [fault.rule for fault in program.faults] == [rule]
 
 
@@ -132,6 +137,7 @@ def test_travel_with_the_rapid_off_is_slow() -> None:
 
 def test_comments_and_heights_change_nothing() -> None:
     assert cut("3\nG1 X5\n+9+9\n4\n47\n+100+\n48").length_mm == 10.0
+    assert essi("6\n53\n39+600\n67\n+100+\n54\n68\n53\n+100+\n54").faults == ()
 
 
 points = st.lists(st.tuples(st.floats(0, 500), st.floats(0, 500)), min_size=2, max_size=60)
