@@ -18,6 +18,7 @@ from .options import GIVEN, SMALLEST_SHEET_MM, ReadOptions, mm_of, units_questio
 from .svg_css import declarations, properties, tag_of, with_style
 
 VIEWPORT = "kerfwise-viewport"
+_MADE = "kerfwise-made"
 """An attribute: of a nested <svg> and of a symbol what is seen of it, in its own units; of a <use> the size around."""
 
 PX = {"": 1.0, "px": 1.0, "mm": 96 / 25.4, "cm": 960 / 25.4, "in": 96.0, "pt": 96 / 72, "pc": 16.0, "q": 24 / 25.4}
@@ -124,12 +125,17 @@ def _plain_lengths(element: Element, tag: str, style: dict[str, str], size: Size
         number, unit = float(found[1]), found[2]
         per_unit = whole[of] / 100 if unit == "%" else root_em if unit == "rem" else em * _EMS[unit]
         _set(element, style, name, f"{number * per_unit:.12g}")
-    if tag in ("ellipse", "rect"):  # a radius that is not given is as long as the other
+    if tag in ("ellipse", "rect"):  # a radius that is not given, or cannot be, is as long as the other
         for name, other in (("rx", "ry"), ("ry", "rx")):
-            if style.get(name, "auto").strip() == "auto" and style.get(other, "auto").strip() != "auto":
+            if _is_auto(style, name) and not _is_auto(style, other):
                 _set(element, style, name, style[other])
-            elif tag == "rect" and style.get(name, "auto").strip() == "auto":
+            elif tag == "rect" and _is_auto(style, name):
                 _set(element, style, name, "0")
+
+
+def _is_auto(style: dict[str, str], name: str) -> bool:
+    text = style.get(name, "auto").strip()
+    return text == "auto" or text.startswith("-")
 
 
 def _set(element: Element, said: dict[str, str], name: str, value: str) -> None:
@@ -160,6 +166,7 @@ def _nested(svg: Element, style: dict[str, str], around: Size) -> Size:
         return size
     if not box:  # without one svgelements leaves it at the origin
         svg.set("viewBox", f"0 0 {size[0]:.12g} {size[1]:.12g}")
+        svg.set(_MADE, "")
     seen_of(svg, size)
     return box[2:] if box else size
 
@@ -184,6 +191,8 @@ def seen_of(element: Element, size: Size) -> None:
 
 def symbol_fitted(symbol: Element, use: Element) -> str | None:
     """The transform that fits a symbol, or an <svg>, into the size of its clone; None where nothing of it is seen."""
+    if symbol.attrib.pop(_MADE, None) is not None:
+        del symbol.attrib["viewBox"]
     around = use.get(VIEWPORT, "0 0").split()
     style = properties(symbol) | {k: v for k, v in properties(use).items() if k in ("width", "height") and v != "auto"}
     size = _size(style, (float(around[0]), float(around[1])))
@@ -192,6 +201,8 @@ def symbol_fitted(symbol: Element, use: Element) -> str | None:
         return None
     seen_of(symbol, size)
     sx, sy, dx, dy = _fit_of(symbol, size)
+    if tag_of(symbol) == "svg":
+        dx, dy = dx + length_px(style.get("x", "0")), dy + length_px(style.get("y", "0"))
     if (sx, sy, dx, dy) == (1, 1, 0, 0):
         return ""
     return f"translate({dx:.12g} {dy:.12g}) scale({sx:.12g} {sy:.12g})"

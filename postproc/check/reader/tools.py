@@ -21,7 +21,8 @@ ENDS = frozenset({2.0, 30.0})
 class ToolsOn(ABC):
     """The tools that are on; the control holds the torch for `held_s` where it starts to cut, and to mark.
 
-    `held_from` is the line where height control was stopped in a cut, 0 where it is on.
+    `held_from` is the line where height control was stopped in a cut, 0 where it is on; `held` the line where a tool
+    was started without it.
     """
 
     track: Track
@@ -30,6 +31,7 @@ class ToolsOn(ABC):
     on: list[int] = field(default_factory=list)
     ended: bool = False
     held_from: int = 0
+    held: int = 0
 
     @abstractmethod
     def switch(self, block: Block, motion: float | None, modal: float | None) -> None:
@@ -52,10 +54,7 @@ class ToolsOn(ABC):
         """Start a tool where the torch stands."""
         if self.on:
             self.track.fault(line, "torch-off-travel", f"tool ${tool} is started while ${self.on[0]} is on")
-        if self.held_from:
-            text = f"tool ${tool} is started without height control, stopped in the cut on line {self.held_from}"
-            self.track.fault(line, "program-state", text)
-            self.held_from = 0
+        self.held = line if self.held_from else 0
         if tool not in self.on:
             self.on.append(tool)
         if self.track.open is None:
@@ -63,10 +62,17 @@ class ToolsOn(ABC):
 
     def hold(self, stops: bool, line: int) -> None:
         """Stop height control, or start it again."""
-        self.held_from = (line if self.on else self.held_from) if stops else 0
+        if stops:
+            self.held_from = line if self.on and not self.held else self.held_from
+        else:
+            self.held_from = self.held = 0
 
     def stop(self, tool: int) -> None:
-        """Stop a tool, or all."""
+        """Stop a tool, or all; by then height control is on again, which may wait until the pierce is done."""
+        if self.held and self.on:
+            text = f"tool ${self.on[0]} burns without height control, stopped in the cut on line {self.held_from}"
+            self.track.fault(self.held, "program-state", text)
+            self.held_from = self.held = 0
         self.on = [] if tool == ALL else [t for t in self.on if t != tool]
         if self.track.open is not None and self.track.open.tool not in self.on:
             self.track.close()

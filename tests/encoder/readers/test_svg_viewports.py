@@ -64,6 +64,7 @@ SYMBOL = '<symbol id="s" viewBox="0 0 10 10" {}><rect x="1" y="6" width="8" heig
         ),
         ("""<path style="d:path('M20 20h50v40h-50z')"/>""", 2000),
         ('<path d="M20 20h50v40h-50" fill="black" stroke="none"/>', 2000),
+        ('<rect width="50" height="40" x="9" y="9" rx="-3" ry="10"/>', 2000 - (4 - math.pi) * 100),
         ('<svg width="0" height="10" viewBox="0 0 9 9"><rect width="9" height="9"/></svg>' + PART, 800),
     ],
 )
@@ -77,6 +78,10 @@ def test_what_a_viewer_shows_is_read(tmp_path: Path, body: str, area: float) -> 
         ('<svg x="50" y="10" width="100" height="80"><rect width="50" height="50"/></svg>', (50, 40, 100, 90)),
         ('<svg x="50" width="100" height="80"><svg width="60" height="60"><rect width="9" height="9"/></svg></svg>',
          (50, 91, 59, 100)),
+        ('<defs><svg id="n" x="10" y="10" width="90" height="60"><rect x="1" y="1" width="9" height="9"/></svg></defs>'
+         '<use href="#n" x="100" y="10" width="40" height="20"/>', (111, 70, 120, 79)),
+        ('<defs><svg id="n" x="10" y="10" width="9" height="9" viewBox="0 0 9 9"><rect width="9" height="9"/></svg>'
+         '</defs><use href="#n" width="18" height="18"/>', (10, 72, 28, 90)),
         ('<g cx="90" cy="50" x1="7"><circle r="10" cx="20" transform="translate(0 50)"/></g>', (10, 40, 30, 60)),
     ],
 )  # fmt: skip

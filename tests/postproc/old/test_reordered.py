@@ -156,7 +156,7 @@ the first
 +500+0
 47
 +250+250+0+250+
-48
+68
 54
 5
 3
@@ -226,7 +226,7 @@ def test_linuxcnc_finds_the_burns_of_essi_where_they_were() -> None:
         ("6\n53\n39+1200\n", "53\n39+1200\n", 26, "a rapid with the torch on"),
         ("+300+\n", "29\n+300+\n", 27, "29 is not supported here"),
         ("+300+\n", "82\n+300+\n", 27, "82 is not supported here"),
-        ("48\n5\n+100", "5\n+100", 10, "48 comes later in the program"),
+        ("48\n5\n+100", "5\n+100", 10, "68 comes later in the program"),
     ],
 )
 def test_what_is_refused_of_essi_names_its_line(old: str, new: str, line: int, said: str) -> None:

@@ -125,14 +125,13 @@ def test_height_control_that_a_cut_stops_is_started_again(
     """Else the torch stands at one height over all the rest of a sheet that warps."""
     off, on = (f"{word}\n" for word in words)
 
-    def told(first: str, then: str, before: str = "") -> list[str]:
+    def told(first: str, then: str, before: str = "", second: str = "") -> list[str]:
         travel = "G00 X5 Y5\n" if read is eia else "X5 Y5\n"
-        return [fault.text for fault in read(before + travel + cut.format(first, then) + cut.format("", "")).faults]
+        return [fault.text for fault in read(before + travel + cut.format(first, then) + cut.format(second, "")).faults]
 
+    assert told(on, off, off, on) == []  # on once the pierce is done, off before the end
     assert told(off, on) == told(on, "", off) == told("", "", off) == []
-    assert [text.partition(", stopped in")[0] for text in told(off, "")] == [
-        "tool $0 is started without height control"
-    ]
+    assert [text.partition(", stopped in")[0] for text in told(off, "")] == ["tool $0 burns without height control"]
 
 
 def test_what_switches_for_a_family_does_not_for_another_control() -> None:
