@@ -222,7 +222,7 @@ def test_linuxcnc_finds_the_burns_of_essi_where_they_were() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "line", "said"),
     [
-        ("5\n3\nbetween", "5\n0\n3\nbetween", 20, "halts here"),
+        ("5\n3\nbetween", "5\n0\n3\nbetween", 20, "words behind the program's end"),
         ("6\n53\n39+1200\n", "53\n39+1200\n", 26, "a rapid with the torch on"),
         ("+300+\n", "29\n+300+\n", 27, "29 is not supported here"),
         ("+300+\n", "82\n+300+\n", 27, "82 is not supported here"),
