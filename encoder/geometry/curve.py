@@ -81,7 +81,11 @@ class Curve:
     @cached_property
     def starts_mm(self) -> Floats:
         """Array (segments + 1,): path length from the start to the start of each segment, then the total."""
-        return np.array([0.0, *accumulate([s.length_mm for s in self.segments])])
+        return np.array([0.0, *accumulate(self._lengths_mm)])
+
+    @cached_property
+    def _lengths_mm(self) -> list[float]:
+        return [s.length_mm for s in self.segments]
 
     @property
     def length_mm(self) -> float:
@@ -110,7 +114,7 @@ class Curve:
         s = s_mm % total if self.closed else min(max(s_mm, 0.0), total)
         k = int(self.starts_mm.searchsorted(s, side="right")) - 1
         k = min(max(k, 0), len(self.segments) - 1)
-        return k, float(min(max((s - self.starts_mm[k]) / self.segments[k].length_mm, 0.0), 1.0))
+        return k, float(min(max((s - self.starts_mm[k]) / self._lengths_mm[k], 0.0), 1.0))
 
     def point_at(self, s_mm: float) -> Point:
         """The point at path length `s_mm`."""
@@ -124,11 +128,11 @@ class Curve:
 
     def project(self, point: Sequence[float]) -> tuple[float, float]:
         """Path length of the nearest point of the curve to `point`, and the distance to it, mm."""
-        best = (0.0, math.inf)
-        for start, seg in zip(self.starts_mm.tolist(), self.segments, strict=False):
-            f, d = seg.project((point[0], point[1]))
+        best, at = (0.0, math.inf), (point[0], point[1])
+        for start, seg, length_mm in zip(self.starts_mm.tolist(), self.segments, self._lengths_mm, strict=False):
+            f, d = seg.project(at)
             if d < best[1] - 1e-12:
-                best = (start + f * seg.length_mm, d)
+                best = (start + f * length_mm, d)
         return best
 
     def nearest(self, point: Sequence[float]) -> Point:
@@ -157,12 +161,11 @@ class Curve:
     def between(self, start_mm: float, length_mm: float) -> Curve:
         """The open piece of `length_mm` that begins at path length `start_mm`; it may wrap, even more than once."""
         rows: list[tuple[float, float, float]] = []
-        left = length_mm
+        left, segments, lengths_mm = length_mm, self.segments, self._lengths_mm
         k, f = self.locate(start_mm)
-        end = self.segments[k].point_at(f)
+        end = segments[k].point_at(f)
         while left > 1e-9:
-            seg = self.segments[k]
-            whole_mm = seg.length_mm
+            seg, whole_mm = segments[k], lengths_mm[k]
             take = min(left, whole_mm * (1 - f))
             if f == 0.0 and take == whole_mm:  # most of them
                 rows.append((*seg.start, seg.bulge_between(0.0, 1.0)))
@@ -173,7 +176,7 @@ class Curve:
                 rows.append((*piece.start, piece.bulge))
                 end = piece.end
                 left -= take
-            k, f = (k + 1) % len(self.segments), 0.0
+            k, f = (k + 1) % len(segments), 0.0
         rows.append((*end, 0.0))
         return Curve(np.array(rows, dtype=np.float64), closed=False)
 

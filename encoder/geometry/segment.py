@@ -60,9 +60,9 @@ class Segment:
     @property
     def radius_mm(self) -> float:
         """Radius of the arc, infinite for a line."""
-        if not self.is_arc:
+        if self.bulge == 0.0:
             return math.inf
-        return self.chord_mm * (1 + self.bulge * self.bulge) / (4 * abs(self.bulge))
+        return math.dist(self.start, self.end) * (1 + self.bulge * self.bulge) / (4 * abs(self.bulge))
 
     @property
     def centre(self) -> Point:
@@ -96,7 +96,7 @@ class Segment:
             return self.start
         if fraction >= 1.0:
             return self.end
-        if not self.is_arc:
+        if self.bulge == 0.0:
             (x0, y0), (x1, y1) = self.start, self.end
             return x0 + (x1 - x0) * fraction, y0 + (y1 - y0) * fraction
         (cx, cy), r, a = self.centre, self.radius_mm, self._angle_at(fraction)
@@ -104,7 +104,7 @@ class Segment:
 
     def tangent_at(self, fraction: float) -> Point:
         """Unit tangent in the direction of travel."""
-        if not self.is_arc:
+        if self.bulge == 0.0:
             (x0, y0), (x1, y1), length = self.start, self.end, self.chord_mm
             return (x1 - x0) / length, (y1 - y0) / length
         a, turn = self._angle_at(fraction), math.copysign(1.0, self.bulge)
@@ -120,7 +120,7 @@ class Segment:
 
     def project(self, point: Point) -> tuple[float, float]:
         """Fraction of the nearest point to `point`, and the distance to it, mm."""
-        if not self.is_arc:
+        if self.bulge == 0.0:
             (x0, y0), (x1, y1) = self.start, self.end
             dx, dy = x1 - x0, y1 - y0
             f = ((point[0] - x0) * dx + (point[1] - y0) * dy) / (dx * dx + dy * dy)

@@ -8,6 +8,7 @@ import unicodedata
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from itertools import chain, pairwise
 
 from kerfwise.encoder.errors import InputError
@@ -61,6 +62,9 @@ class GcodeWriter:
         self.powers = powers_of(dialect) if powers is None else powers
         self.plant = plant or {}
         self._per_mm = dialect.per_mm
+        spelt = dialect.trailing_zeros or dialect.whole_point or dialect.decimal != "."
+        self._plain = not (spelt or dialect.signed or dialect.whole_digits > 1)
+        """Whether its lengths are spelt as `number` has them."""
         # Where positions count from the last one, the first is where the torch stands, whatever its digits.
         self._zero = at if dialect.positions == "incremental" else (0.0, 0.0)
         self.at = self._rounded(at)
@@ -293,6 +297,8 @@ class GcodeWriter:
         return {"x": self._number(x), "y": self._number(y)}
 
     def _number(self, mm: float) -> str:
+        if self._plain:
+            return number(mm * self._per_mm, self.dialect.decimals)
         text, whole = self._shown(mm * self._per_mm, self.dialect.decimals), self.dialect.whole_digits
         if whole > 1:
             bare = text.lstrip("-")
@@ -425,8 +431,9 @@ def plain(text: str) -> str:
     >>> plain("Плита (20 мм) №3; Ø12 é")
     '_____ _20 ___ No3_ _12 e'
     """
-    ascii_text = unicodedata.normalize("NFKD", text)
-    ascii_text = "".join(c for c in ascii_text if not unicodedata.combining(c))
+    ascii_text = text
+    if not text.isascii():
+        ascii_text = "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
     return re.sub(r"[^A-Za-z0-9 ._+:,/=-]", "_", ascii_text)
 
 
@@ -445,7 +452,12 @@ def room_for(dialect: Dialect, head: str, tail: str = "") -> int:
 
 def is_comment(block: str, dialect: Dialect) -> bool:
     """Whether only a person reads the block."""
-    return not block or (dialect.comment is not None and block.startswith(dialect.comment.partition("{text}")[0]))
+    return not block or (dialect.comment is not None and block.startswith(_begin_of(dialect.comment)))
+
+
+@lru_cache
+def _begin_of(comment_form: str) -> str:
+    return comment_form.partition("{text}")[0]
 
 
 def number_blocks(blocks: Iterable[str], dialect: Dialect) -> Iterator[str]:
