@@ -189,15 +189,14 @@ def proof_of(plan: Plan) -> str:
         return f"proven optimal within these zones and entries (by {solve.proved_by})"
     if solve.bound is None or solve.gap is None:
         return "no bound is proven"
-    gap = f"gap {solve.gap:.2%}"
     if not heavy_mm:
-        return f"{gap} (bound {solve.bound / 1000:.3f} m, for these zones and entries)"
+        return f"gap {solve.gap:.2%} (bound {solve.bound / 1000:.3f} m, for these zones and entries)"
+    if not plan.none_needless:
+        return "nothing is proven: plans with fewer excuses are not ruled out"
+    fewest = "no plan with these zones and entries has fewer excuses"
     if plan.light_gap is None:
-        return f"{gap} with the weight of excuses; plans with fewer excuses are not ruled out"
-    return (
-        f"{gap} with the weight of excuses, {plan.light_gap:.2%} without "
-        f"(bound {(solve.bound - heavy_mm) / 1000:.3f} m; no plan with these zones and entries has fewer excuses)"
-    )
+        return f"{fewest}; of what it costs besides nothing is proven"
+    return f"{fewest}; besides, gap {plan.light_gap:.2%} (bound {(solve.bound - heavy_mm) / 1000:.3f} m)"
 
 
 def _objective(plan: Plan) -> str:

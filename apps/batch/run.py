@@ -290,7 +290,6 @@ def _contents(piece: NestTask, inputs: Inputs, done: FinishedPlan) -> Mapping[st
 
 def _figures(done: FinishedPlan) -> Figures:
     plan, times = done.made.plan, time_made(done.given, done.made.plan)
-    gap = plan.solve.gap if plan.light_gap is None else plan.light_gap
     cost = times.cost
     return Figures(
         contours=len(plan.cuts),
@@ -298,7 +297,7 @@ def _figures(done: FinishedPlan) -> Figures:
         cut_mm=round(plan.totals.cut_mm, 3),
         idle_mm=round(plan.totals.idle_mm, 3),
         time_s=round(times.total_s, 3),
-        gap=None if gap is None else round(gap, 6),
+        gap=None if plan.told_gap is None else round(plan.told_gap, 6),
         excuses=tuple(f"{place.rule}: {place.why}" for place in plan.stated.places),
         cost=None if cost is None else round(cost.total, 4),
         currency="" if cost is None else cost.currency,

@@ -11,6 +11,7 @@ proven or the limit is reached; each may use every core. Shares are of what is t
 | ideals: proof | a bound may make the sets few, or the sweep surely ends | 45 to 90 %; most take next to nothing |
 | ideals: multipliers | a small nest whose conditions and lags linear programs hold | 60 % |
 | ideals: widening | hard orders are dense, and neither conditions nor lags bind | 50 % |
+| excuses | the best plan has some that are not shown to be needed | 20 % |
 | search, flows | nothing is proven yet; by kind of problem, see `improve_and_bound` | nearly all |
 | CP-SAT | nothing is proven yet, and its model is made in time | the rest |
 """
@@ -336,6 +337,28 @@ def plan_without_wishes(run: Run, share: float) -> None:
             run.known.notes.append("wishes: the best plan without them is where the search goes on from")
 
 
+def excuses_suit(run: Run) -> bool:
+    """Whether the best plan has excuses that were not shown to be needed."""
+    plan = run.known.incumbent
+    return in_portfolio(run) and plan is not None and bounds.excused_um(run.problem, plan.route) > run.known.bound_um
+
+
+def count_excuses(run: Run, share: float) -> None:
+    """How many excuses every plan needs, and a plan with fewer; one that breaks other things the search mends."""
+    assert run.known.incumbent is not None
+    found = bounds.fewest_excuses(run.problem, run.known.incumbent, run.deadline.within(share))
+    run.deadline.spend(found.work)
+    if found.least_um:
+        run.excuses_um = found.least_um
+        run.known.notes.append("excuses: sets of contours show how many every plan needs")
+        run.known.raise_bound(found.least_um, "cp-sat")
+    if found.route is not None:
+        if not broken(run.problem, found.route):
+            run.offer(Incumbent(found.route, route_cost(run.problem, found.route)), "cp-sat")
+        elif run.searcher is not None:
+            run.searcher.stand_near(found.route)
+
+
 def improve_and_bound(run: Run, _: float) -> None:
     """A better plan and a higher bound, where nothing is proven yet."""
     if run.known.priced:
@@ -363,7 +386,7 @@ def bound_by_flows(run: Run, share: float) -> None:
     """A bound by linear programming, where there is a plan."""
     if run.known.incumbent is None or share <= 0.0:
         return
-    found = bounds.flow_bound(run.problem, run.known.incumbent, run.deadline.within(share))
+    found = bounds.flow_bound(*beside_excuses(run), run.deadline.within(share))
     run.deadline.spend(found.work)
     take_flow(run, found.bound)
 
@@ -372,7 +395,17 @@ def take_flow(run: Run, bound_um: int) -> None:
     """Note a bound by flows, if there is one."""
     if bound_um > 0:
         run.known.notes.append("flow: a bound by linear programming")
-        run.known.raise_bound(bound_um, "flow")
+        run.known.raise_bound(run.excuses_um + bound_um, "flow")
+
+
+def beside_excuses(run: Run) -> tuple[Problem, Incumbent]:
+    """What linear programs bound: without excuses, where these are counted already, and what the best plan costs so."""
+    plan = run.known.incumbent
+    assert plan is not None
+    if not run.excuses_um:
+        return run.problem, plan
+    rest = bounds.without_excuses(run.problem)
+    return rest, Incumbent(plan.route, route_cost(rest, plan.route))
 
 
 def improve_while_bounded(run: Run) -> None:
@@ -380,7 +413,7 @@ def improve_while_bounded(run: Run) -> None:
 
     So neither depends on how far the other has come. A gap that is enough would: then one follows the other.
     """
-    plan, left, began = run.known.incumbent, run.left(), run.deadline.spent
+    plan, left, began, flows = run.known.incumbent, run.left(), run.deadline.spent, beside_excuses(run)
     assert plan is not None
     share, reached = tuning.FLOW * left, Event()
 
@@ -395,7 +428,7 @@ def improve_while_bounded(run: Run) -> None:
         if ideals.priceable(run.problem) and ideals.sets_out(run.problem, tuning.FIRST_BOUNDS * share):
             proof = ideals.prove_priced(run.problem, plan, beside)
             return bounds.FlowBound(0, share) if proof is None else proof
-        return bounds.flow_bound(run.problem, plan, beside)
+        return bounds.flow_bound(*flows, beside)
 
     with ThreadPoolExecutor(1) as thread:
         bounding = thread.submit(bound)
@@ -458,6 +491,7 @@ STEPS = (
     Step(proof_suits, proof_share, prove),
     Step(priced_suits, lambda run: run.left() * tuning.PORTFOLIO_PRICED, sweep_priced),
     Step(widening_suits, lambda run: run.left() * tuning.PORTFOLIO_WIDENED, widen),
+    Step(excuses_suit, lambda run: run.left() * tuning.EXCUSES, count_excuses),
     Step(in_portfolio, Run.left, improve_and_bound),
     Step(lambda run: not run.over(), Run.left, solve_model),
 )

@@ -74,7 +74,8 @@ class Run:
 
     `count` is how many sets there are, as far as they were counted, `swept` whether a sweep of all of them was tried.
     `preview` is a plan that was `shown` meanwhile and that no member goes on from, `near` a route that breaks something
-    and that the search goes on from, `searcher` the search that is gone on with.
+    and that the search goes on from, `searcher` the search that is gone on with. `excuses_um` is what excuses cost
+    every plan at least.
     """
 
     def __init__(
@@ -90,6 +91,7 @@ class Run:
         self.swept = self.shown = self.wishes_left_out = False
         self.preview: Incumbent | None = None
         self.near: tuple[int, ...] | None = None
+        self.excuses_um = 0
         self.searcher: Searcher | None = None
 
     def offer(self, incumbent: Incumbent | None, engine: str) -> None:

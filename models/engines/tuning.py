@@ -59,6 +59,11 @@ FREE = 0.2  # Share of either which a round takes without cuts.
 LOOKED_PER_S = 4e7  # Moves that a look at all goes through.
 MADE_PER_S = 1e7  # Moves whose costs are worked out, and that are gone through for the first ones.
 
+# bounds/excuses.py
+
+EXCUSES_MOST_ROWS, EXCUSES_ROWS_PER_S = 1_000_000, 3e5
+"""Clauses of a model of sets at the most, and how many are made in a second."""
+
 # bounds/move_costs.py
 
 MOVE_ROWS = 128  # Sites whose moves are worked out, and gone through, at once.
@@ -328,6 +333,7 @@ search; with more, plans are improved at the same time."""
 FLOW_FIRST, FLOW_CARRIED, FLOW = 0.15, 0.4, 0.95
 """Shares for the bound by flows before more search; where CP-SAT alone holds all that is asked; and at last, after that
 search or beside it: the better the plan, the more it closes."""
+EXCUSES = 0.2  # Share for whether plans need as many excuses, before linear programs bound what they cost besides.
 SEARCH_NEST = 0.3  # Share for more search in small nests that flows bound well.
 PORTFOLIO_PRICED = 0.6
 """Share for the ideals with multipliers of the flow, where these hold all that is asked of a small nest."""

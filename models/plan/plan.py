@@ -299,6 +299,16 @@ class Plan:
         return (rest_mm - bound_mm) / rest_mm if self.heavy_mm and bound_mm > 0 and rest_mm > 0 else None
 
     @property
+    def told_gap(self) -> float | None:
+        """The gap that says something: of what a plan costs beside its excuses and relaxed statements."""
+        return self.light_gap if self.heavy_mm else self.solve.gap
+
+    @property
+    def none_needless(self) -> bool:
+        """Whether it is proven that no plan has fewer excuses and relaxed statements."""
+        return self.solve.status == "optimal" or (self.solve.bound or 0.0) >= self.heavy_mm
+
+    @property
     def stated(self) -> PlanState:
         """The state that the plan says; of plans of before, which say none, what follows from their rules."""
         if self.state is not None:

@@ -105,9 +105,10 @@ def _totals(plan: Plan) -> list[str]:
     elif solve.gap is None:
         facts.append("no bound proven")
     else:
-        facts.append(f"gap {100 * solve.gap:.1f} %")
-        if plan.light_gap is not None:
-            facts.append(f"{100 * plan.light_gap:.1f} % without the weight of excuses")
+        if plan.heavy_mm:
+            facts.append(f"fewer excuses {'impossible' if plan.none_needless else 'not ruled out'}")
+        if plan.told_gap is not None:
+            facts.append(f"gap {100 * plan.told_gap:.1f} %{' besides' if plan.heavy_mm else ''}")
     if plan.zones_cost is not None and plan.zones_cost.mm > 0:
         facts.append(f"zones cost {plan.zones_cost.mm / 1000:.1f} m")
     return [*facts, *_not_kept(plan)]

@@ -157,7 +157,7 @@ def _side(side: Side) -> dict[str, Any]:
         "proof": side.proof,
         "status": None if plan is None else plan.solve.status,
         "bound_mm": None if plan is None else plan.solve.bound,
-        "gap": None if plan is None else plan.solve.gap,
+        "gap": None if plan is None else plan.told_gap,
         "time": side.times.as_json(),
     }
 

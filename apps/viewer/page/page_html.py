@@ -297,7 +297,7 @@ def side_data(nest: Nest, plan: Plan, home: Point, cuts: list[Data] | None = Non
             "idle_mm": short(totals.idle_mm),
             "pierces": totals.pierces,
             "status": solve.status,
-            "gap": solve.gap,
+            "gap": None if plan.told_gap is None else solve.gap,
             "light_gap": plan.light_gap,
         },
         "said": [],

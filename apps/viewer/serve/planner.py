@@ -277,7 +277,7 @@ def figures_of(plan: Plan) -> dict[str, Any]:
         "objective_mm": float(solve.objective),
         "light_mm": float(solve.objective - plan.heavy_mm),
         "bound_mm": None if solve.bound is None else float(solve.bound),
-        "gap": None if solve.gap is None else float(solve.gap),
+        "gap": None if solve.gap is None or plan.told_gap is None else float(solve.gap),
         "light_gap": None if plan.light_gap is None else float(plan.light_gap),
         "status": solve.status,
         "state": plan.stated.kind,

@@ -10,13 +10,26 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .completion import Completion, TooMuch, complete
+    from .excuses import excused_um, fewest_excuses, without_excuses
     from .flow import FlowBound, flow_bound
 
-__all__ = ["Completion", "FlowBound", "TooMuch", "complete", "flow_bound"]
+__all__ = [
+    "Completion",
+    "FlowBound",
+    "TooMuch",
+    "complete",
+    "excused_um",
+    "fewest_excuses",
+    "flow_bound",
+    "without_excuses",
+]
 _HOME = {
     "Completion": "completion",
     "TooMuch": "completion",
     "complete": "completion",
+    "excused_um": "excuses",
+    "fewest_excuses": "excuses",
+    "without_excuses": "excuses",
 }
 
 

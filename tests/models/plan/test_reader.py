@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise import InputError, read_plan
+from kerfwise.jobs.display import proof_of
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools.amount import examples
 
@@ -125,3 +126,22 @@ def test_a_gap_without_the_weight_of_excuses_is_stated_where_it_says_more(
     solve = replace(made.solve, objective=objective, bound=bound, gap=(objective - bound) / objective, excuses=excuses)
     stated = json.loads(replace(made, solve=solve).to_json())["solve"]
     assert stated.get("gap_without_excuses") == gap
+
+
+@pytest.mark.parametrize(
+    ("excuses", "bound", "said"),
+    [
+        (1, 1_009_000.0, "no plan with these zones and entries has fewer excuses; besides, gap 10.00% (bound 9.000 m)"),
+        (
+            1,
+            1_000_000.0,
+            "no plan with these zones and entries has fewer excuses; of what it costs besides nothing is proven",
+        ),
+        (1, 990_000.0, "nothing is proven: plans with fewer excuses are not ruled out"),
+        (0, 909_000.0, "gap 10.00% (bound 909.000 m, for these zones and entries)"),
+    ],
+)
+def test_what_is_proven_is_said_of_excuses_and_of_the_rest(excuses: int, bound: float, said: str) -> None:
+    made = plan_of(PLATE, good_cuts(PLATE), profile())
+    solve = replace(made.solve, objective=1_010_000.0, bound=bound, gap=1 - bound / 1_010_000.0, excuses=excuses)
+    assert proof_of(replace(made, solve=replace(solve, status="feasible"))) == said

@@ -105,7 +105,7 @@ def test_the_header_tells_the_totals_and_how_good_the_plan_is() -> None:
     heavy = dataclasses.replace(plan.solve, objective=1_010_000.0, bound=1_009_000.0, gap=0.00099, excuses=1)
     weighed = dataclasses.replace(plan, solve=heavy)
     said = [t.text for t in make_scene(made, weighed).layer("header") if isinstance(t, TextLine)]
-    assert "gap 0.1 % · 10.0 % without the weight of excuses" in " ".join(said)
+    assert "fewer excuses impossible · gap 10.0 % besides" in " ".join(said)
     unproven = dataclasses.replace(plan, solve=dataclasses.replace(plan.solve, bound=None, gap=None))
     assert any(
         "no bound proven" in t.text for t in make_scene(made, unproven).layer("header") if isinstance(t, TextLine)
