@@ -13,7 +13,7 @@ from kerfwise.models.problem.moves import LAWFUL_MOST
 from kerfwise.models.problem.problem import Problem
 from kerfwise.rules.statements import EXEMPTION_MM
 
-_EXCUSE_UM = round(EXEMPTION_MM * UM_PER_MM)
+EXCUSE_UM = round(EXEMPTION_MM * UM_PER_MM)
 
 
 class Walk:
@@ -31,13 +31,13 @@ class Walk:
         self._in_block = np.bincount(problem.block, minlength=problem.n)
         self._block = -1
         self._apart = {frozenset(pair) for pair in problem.apart()}
-        given = [c for c in problem.conditions if c.cost is None or c.cost >= _EXCUSE_UM]
+        given = [c for c in problem.conditions if c.cost is None or c.cost >= EXCUSE_UM]
         rows = ConditionRows.of(given)
         self._contour, self._site, self._short = rows.contour, rows.site, rows.bound
         self._rows_of, self._row, self._weight = rows.by_member(problem.n)
         self._hard = np.array([c.cost is None for c in given], dtype=np.bool_)
         self._unmet_of_site = np.zeros((2, problem.m), dtype=np.int64)  # that may be excused, and that may not
-        self._unmet_of_site[0] = problem.site_cost >= _EXCUSE_UM
+        self._unmet_of_site[0] = problem.site_cost >= EXCUSE_UM
         self._unmet_of_contour = np.zeros((2, problem.n), dtype=np.int64)
         self._count(np.flatnonzero(self._short > 0), 1)
 

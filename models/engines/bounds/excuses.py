@@ -18,9 +18,8 @@ import numpy as np
 from ortools.sat.python.cp_model import FEASIBLE, OPTIMAL, CpModel, LiteralT
 
 from kerfwise.arrays import Ints
-from kerfwise.encoder.geometry.tolerances import cost_um
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.lawful_walk import route_like
+from kerfwise.models.engines.lawful_walk import EXCUSE_UM, route_like
 from kerfwise.models.engines.solution import Incumbent
 from kerfwise.models.engines.tuning import EXCUSES_MOST_ROWS as MOST_ROWS
 from kerfwise.models.engines.tuning import EXCUSES_ROWS_PER_S as ROWS_PER_S
@@ -28,10 +27,7 @@ from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.moves import MovePrices
 from kerfwise.models.problem.precedence import close, known_immediate_pairs
 from kerfwise.models.problem.problem import Problem
-from kerfwise.rules.statements import EXEMPTION_MM
 from kerfwise.rules.stating.feasible_order import quiet_solver
-
-HEAVY_UM = cost_um(EXEMPTION_MM)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,15 +41,15 @@ class FewestExcuses:
 
 def without_excuses(problem: Problem) -> Problem:
     """The problem without what excuses cost: every plan costs that much less."""
-    light = (c if c.cost is None else replace(c, cost=c.cost % HEAVY_UM) for c in problem.conditions)
+    light = (c if c.cost is None else replace(c, cost=c.cost % EXCUSE_UM) for c in problem.conditions)
     conditions = tuple(c for c in light if c.cost != 0)
-    return replace(problem, conditions=conditions, site_cost=problem.site_cost % HEAVY_UM)
+    return replace(problem, conditions=conditions, site_cost=problem.site_cost % EXCUSE_UM)
 
 
 def excused_um(problem: Problem, route: Sequence[int]) -> int:
     """What the excuses of a route cost, as far as sets of contours and ways to cut them decide that."""
     asking, place = _asking(problem), {int(problem.site_contour[s]): k for k, s in enumerate(route)}
-    return HEAVY_UM * sum(
+    return EXCUSE_UM * sum(
         _short(problem, asking[contour], place, contour, [route[k]])[1] for contour, k in place.items()
     )
 
@@ -63,7 +59,7 @@ def fewest_excuses(problem: Problem, plan: Incumbent, deadline: Deadline) -> Few
     asking, began = _asking(problem), deadline.left
     order = [int(problem.site_contour[s]) for s in plan.route]
     chosen = _wrong(problem, asking, order, plan.route)
-    most, least = excused_um(problem, plan.route) // HEAVY_UM, 0
+    most, least = excused_um(problem, plan.route) // EXCUSE_UM, 0
     route: tuple[int, ...] | None = None
     while least < most and (sets := _Sets.of(problem, asking, chosen, deadline)):
         shown, before = sets.least(deadline)
@@ -78,7 +74,7 @@ def fewest_excuses(problem: Problem, plan: Incumbent, deadline: Deadline) -> Few
             route = _by_the_best_ways(problem, asking, order, plan.route)
             break
         chosen |= more
-    return FewestExcuses(least * HEAVY_UM, route, began - deadline.left)
+    return FewestExcuses(least * EXCUSE_UM, route, began - deadline.left)
 
 
 _Asking = dict[int, list[Condition]]
@@ -88,7 +84,7 @@ def _asking(problem: Problem) -> _Asking:
     """The hard conditions of each contour, and those that may be excused."""
     found: _Asking = defaultdict(list)
     for c in problem.conditions:
-        if c.cost is None or c.cost >= HEAVY_UM:
+        if c.cost is None or c.cost >= EXCUSE_UM:
             found[c.contour].append(c)
     return found
 
@@ -98,7 +94,9 @@ def _wrong(problem: Problem, asking: _Asking, order: Sequence[int], route: Seque
     place = {contour: k for k, contour in enumerate(order)}
     ways = [[site] for site in route] if route else [problem.sites(contour) for contour in order]
     heavy = [
-        contour for contour in order if asking[contour] or (problem.site_cost[problem.sites(contour)] >= HEAVY_UM).any()
+        contour
+        for contour in order
+        if asking[contour] or (problem.site_cost[problem.sites(contour)] >= EXCUSE_UM).any()
     ]
     return {
         contour for contour in heavy if _short(problem, asking[contour], place, contour, ways[place[contour]]) != (0, 0)
@@ -128,8 +126,8 @@ def _short(
     found = []
     for site in ways:
         costs = [c.cost for c in unmet if c.when in (None, site)]
-        excuses = sum(cost // HEAVY_UM for cost in costs if cost is not None)
-        found.append((costs.count(None), excuses + int(problem.site_cost[site]) // HEAVY_UM))
+        excuses = sum(cost // EXCUSE_UM for cost in costs if cost is not None)
+        found.append((costs.count(None), excuses + int(problem.site_cost[site]) // EXCUSE_UM))
     return min(found)
 
 
@@ -194,7 +192,7 @@ class _Sets:
         sites = {site: self._model.new_bool_var("") for site in self._problem.sites(contour)}
         self._model.add_exactly_one(sites.values())
         for site, used in sites.items():
-            if excuses := int(self._problem.site_cost[site]) // HEAVY_UM:
+            if excuses := int(self._problem.site_cost[site]) // EXCUSE_UM:
                 self._excuses.append(used)
                 self._weights.append(excuses)
         for c in asked:
@@ -202,7 +200,7 @@ class _Sets:
             if c.cost is not None:
                 excuse = self._model.new_bool_var("")
                 self._excuses.append(excuse)
-                self._weights.append(c.cost // HEAVY_UM)
+                self._weights.append(c.cost // EXCUSE_UM)
                 premise.append(excuse.negated())
             total = sum(w * self._before(k, contour) for k, w in zip(c.members, c.weights, strict=True))
             if isinstance(total, int):
