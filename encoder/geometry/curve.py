@@ -163,7 +163,7 @@ class Curve:
         rows: list[tuple[float, float, float]] = []
         left, segments, lengths_mm = length_mm, self.segments, self._lengths_mm
         k, f = self.locate(start_mm)
-        end = segments[k].point_at(f)
+        end = segments[k].point_at(f) if left <= 1e-9 else (0.0, 0.0)
         while left > 1e-9:
             seg, whole_mm = segments[k], lengths_mm[k]
             take = min(left, whole_mm * (1 - f))

@@ -134,6 +134,7 @@ _STEPS_MM = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
 def wider_than(curve: Curve, mm: float) -> bool:
     """Whether a circle of that diameter has room inside a closed curve, found where it costs little.
 
+    In what one line encloses a circle has room whose diameter is twice the area by the length of the line (Bonnesen).
     False says nothing yet.
 
     Examples
@@ -142,6 +143,8 @@ def wider_than(curve: Curve, mm: float) -> bool:
     >>> wider_than(slot, 8), wider_than(slot, 8.1)
     (True, False)
     """
+    if 2 * abs(curve.signed_area_mm2) >= mm * curve.length_mm:
+        return True
     if (found := _as_circle(curve)) is not None:
         return found[1] >= mm
     inside = _area(curve)
@@ -152,7 +155,8 @@ def wider_than(curve: Curve, mm: float) -> bool:
 def narrower_than(curve: Curve, mm: float) -> bool:
     """Whether surely no circle of that diameter has room inside a closed curve, found where it costs little.
 
-    No circle has a larger area than what it lies in, or is wider than the narrowest rectangle around that.
+    No circle has a larger area than what it lies in, or is wider than the narrowest rectangle around that, which is no
+    longer than half the curve.
     False says nothing yet.
 
     Examples
@@ -161,8 +165,11 @@ def narrower_than(curve: Curve, mm: float) -> bool:
     >>> narrower_than(slot, 8), narrower_than(slot, 8.1)
     (False, True)
     """
-    if abs(curve.signed_area_mm2) < math.pi * (mm / 2) ** 2 * (1 - SAME_MM):
+    area_mm2 = abs(curve.signed_area_mm2)
+    if area_mm2 < math.pi * (mm / 2) ** 2 * (1 - SAME_MM):
         return True
+    if 2 * area_mm2 >= mm * curve.length_mm:
+        return False
     around = shapely.get_coordinates(shapely.minimum_rotated_rectangle(curve.line(_CHORD_MM)))
     sides_mm = np.hypot(*np.diff(around[:3], axis=0).T)
     return bool(len(sides_mm) == 2 and sides_mm.min() + 2 * _CHORD_MM < mm)
