@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from kerfwise.apps.viewer.serve.nest_folder import Folder
-from kerfwise.apps.viewer.serve.server import Server
+from kerfwise.apps.viewer.serve.server import Server, Serving
 from kerfwise.apps.viewer.serve.session import Alternative, Session
 from kerfwise.benchmarks.tables import put_row
 from kerfwise.examples.gen_sheet import make_sheet
@@ -80,7 +80,7 @@ async def row(contours: int, work: float, seed: int, at_hand: float) -> str:
         folder = Path(name).resolve()
         text = json.dumps(make_sheet(seed, contours))
         (folder / "plate.json").write_text(text, encoding="utf-8", newline="\n")
-        server = Server(Folder(folder), work=work)
+        server = Server(Folder(folder), Serving(work=work))
         await server.begin()
         try:
             session = await server.open_nest(folder / "plate.json")

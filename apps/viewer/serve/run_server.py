@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import os
 import socket
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
@@ -17,13 +17,11 @@ from starlette.types import ASGIApp
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from kerfwise.encoder.errors import InputError
-from kerfwise.models.engines.tuning import MEMORY_GB
-from kerfwise.models.engines.tuning import REQUEST_WORK as WORK
 
 from .guard import CODE, Guard, Keys, with_error_text
 from .nest_folder import Folder
 from .routes import Reading, Writing
-from .server import Server
+from .server import Server, Serving
 
 LOOPBACK = "127.0.0.1"
 ENDING_S = 2
@@ -32,17 +30,11 @@ ENDING_S = 2
 
 def serve(
     path: Path,
-    *,
-    port: int = 0,
-    profile: str | None = None,
-    work: float = WORK,
-    memory_gb: float = MEMORY_GB,
-    trust: bool = False,
-    also: Sequence[Path] = (),
-    state: Path | None = None,
-    token_file: Path | None = None,
-    ready: Callable[[str], None] = print,
-    another: Callable[[str], None] = lambda address: None,
+    how: Serving,
+    port: int,
+    token_file: Path | None,
+    ready: Callable[[str], None],
+    another: Callable[[str], None],
 ) -> None:
     """Serve a folder of nests, or a nest and the folder that it is in, to this machine's browsers until Ctrl-C.
 
@@ -52,18 +44,6 @@ def serve(
         The nest or the folder.
     port
         0 for any that is free.
-    profile
-        What nests are planned by whose job file names none, as `load_profile` takes it.
-    work
-        How much goes into a plan.
-    memory_gb
-        What the process that plans may hold, but for CP-SAT and linear programs.
-    trust
-        Whether Python rules of profiles are run.
-    also
-        Folders whose files profiles and the like may be read from, beside the served one and that of `profile`.
-    state
-        Below which folder sessions are kept, the port and what browsers are known by; None for nowhere.
     token_file
         Where the token for programs is written, for this user alone, until the server ends.
     ready
@@ -74,7 +54,7 @@ def serve(
     Raises InputError if there is no such folder or nest, or the port is taken.
     """
     folder, first = _folder_of(path)
-    server = Server(folder, profile, work, trust, memory_gb, state, also)
+    server = Server(folder, how)
     before = server.kept.read_own(OWN)
     with contextlib.ExitStack() as until:
         listening = until.enter_context(contextlib.closing(_listening(port, before.get("port"))))

@@ -9,7 +9,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from sysconfig import get_path
@@ -47,50 +47,41 @@ NONE: Mapping[str, str] = {}
 """No answers to questions of a drawing."""
 
 
+@dataclass(frozen=True, slots=True)
+class Serving:
+    """How a folder is served."""
+
+    profile: str | None = None
+    """What nests are planned by whose job file names none; None for the default."""
+    work: float = WORK
+    """How much goes into one plan."""
+    memory_gb: float = MEMORY_GB
+    """What the process that plans may hold, but for CP-SAT and linear programs."""
+    trust: bool = False
+    """Whether Python rules of profiles are run."""
+    also: Sequence[Path] = ()
+    """Folders whose files profiles and the like may be read from, beside the served one and that of `profile`."""
+    state: Path | None = None
+    """Below which folder sessions are kept, the port and what browsers are known by; None for nowhere."""
+
+
 class Server:
-    """The sessions of one folder, and the processes that work for them.
+    """The sessions of one folder of nests, and the processes that work for them."""
 
-    Parameters
-    ----------
-    folder
-        The nests' folder.
-    profile
-        What nests are planned by whose job file names none; None for the default.
-    work
-        How much goes into one plan.
-    trust
-        Whether Python rules of profiles are run.
-    memory_gb
-        What the process that plans may hold, but for CP-SAT and linear programs.
-    state
-        Below which folder sessions are kept; None for nowhere.
-    also
-        Folders whose files may be read, beside this one and that of the profile.
-    """
-
-    def __init__(
-        self,
-        folder: Folder,
-        profile: str | None = None,
-        work: float = WORK,
-        trust: bool = False,
-        memory_gb: float = MEMORY_GB,
-        state: Path | None = None,
-        also: Sequence[Path] = (),
-    ) -> None:
-        self.folder, self.profile, self._trust = folder, profile, trust
-        self.kept, self.nests = KeptSessions(state, folder.path, trust), NestList(folder)
+    def __init__(self, folder: Folder, how: Serving = Serving()) -> None:
+        self.folder, self.profile, self._trust = folder, how.profile, how.trust
+        self.kept, self.nests = KeptSessions(how.state, folder.path, how.trust), NestList(folder)
         self.sessions: dict[str, Session] = {}
         self._opening: dict[str, asyncio.Lock] = {}
         self._thumbnails: dict[tuple[Path, int], str] = {}
         self._dropped = Path(tempfile.mkdtemp(prefix="kerfwise-")).resolve()  # drawings that nobody has read yet
         installed = [Path(kerfwise.__file__).parent, *map(Path, {get_path("purelib"), get_path("platlib")})]
-        readable = [folder.path, *(one.resolve() for one in also), self._dropped, *installed]
-        if profile is not None and Path(profile).is_absolute():
-            readable.append(Path(profile).resolve().parent)
+        readable = [folder.path, *(one.resolve() for one in how.also), self._dropped, *installed]
+        if how.profile is not None and Path(how.profile).is_absolute():
+            readable.append(Path(how.profile).resolve().parent)
         self.news, self._background = News(), Background()
         self.desk, self.simulator = Worker("desk", readable), Worker("desk", readable)
-        self.planning = Planning(self.news, self._background, work, memory_gb, self._prepare, readable)
+        self.planning = Planning(self.news, self._background, how.work, how.memory_gb, self._prepare, readable)
 
     async def begin(self) -> None:
         """Start the processes, so that the first plan does not wait for them."""

@@ -7,6 +7,7 @@ import tempfile
 import webbrowser
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -30,15 +31,7 @@ NEEDED = ("starlette", "uvicorn", "anyio")
 @click.option("--token-file", type=click.Path(path_type=Path), metavar="FILE",
               help="Write the token for programs into a new FILE that only you can read.")  # fmt: skip
 def command(
-    given: str,
-    profile: str | None,
-    port: int,
-    work: float,
-    memory_gb: float,
-    open_browser: bool,
-    trust: bool,
-    also: tuple[Path, ...],
-    token_file: Path | None,
+    given: str, profile: str | None, port: int, open_browser: bool, token_file: Path | None, **how: Any
 ) -> None:
     """Open NEST, or the nests of the folder DIR, in the interactive viewer: move, lock, re-plan and save.
 
@@ -48,6 +41,7 @@ def command(
         raise InputError(f"serve needs {', '.join(missing)}: install it with `pip install 'kerfwise[serve]'`")
     from .kept_sessions import state_folder
     from .run_server import serve
+    from .server import Serving
 
     if hasattr(os, "geteuid") and os.geteuid() == 0:
         warning = (
@@ -63,15 +57,10 @@ def command(
 
         serve(
             Path(given),
-            port=port,
-            profile=_found(profile),
-            work=work,
-            memory_gb=memory_gb,
-            trust=trust,
-            also=also,
-            state=state_folder(),
-            token_file=token_file,
-            ready=ready,
+            Serving(_found(profile), state=state_folder(), **how),
+            port,
+            token_file,
+            ready,
             another=lambda address: click.echo(f"for another browser: {address}"),
         )
 

@@ -22,7 +22,7 @@ import kerfwise
 from kerfwise.apps.viewer.serve.guard import Keys
 from kerfwise.apps.viewer.serve.nest_folder import Folder
 from kerfwise.apps.viewer.serve.run_server import config_of, make_app
-from kerfwise.apps.viewer.serve.server import Server
+from kerfwise.apps.viewer.serve.server import Server, Serving
 from kerfwise.cli import main
 
 TOKEN, COOKIE = "the-token-of-the-tests", "the-cookie-of-the-tests"
@@ -135,7 +135,7 @@ def serving(folder: Path, work: float = 1.0, also: Sequence[Path] = ()) -> Itera
     """A server of a folder, on loopback, until the end of the context; it reads in `also`, too."""
     listening = socket.create_server(("127.0.0.1", 0))
     port = listening.getsockname()[1]
-    server = InThread(Folder(folder.resolve()), work=work, also=also)
+    server = InThread(Folder(folder.resolve()), Serving(work=work, also=also))
     keys = Keys(TOKEN, COOKIE)
     running = uvicorn.Server(config_of(make_app(server, keys, port)))
     thread = threading.Thread(target=running.run, args=([listening],), daemon=True)

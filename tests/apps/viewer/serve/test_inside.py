@@ -24,7 +24,7 @@ from kerfwise.apps.viewer.serve.nest_folder import Folder, NestList, is_readable
 from kerfwise.apps.viewer.serve.news import News
 from kerfwise.apps.viewer.serve.plan_request import PlanRequest
 from kerfwise.apps.viewer.serve.run_server import make_app
-from kerfwise.apps.viewer.serve.server import Server
+from kerfwise.apps.viewer.serve.server import Server, Serving
 from kerfwise.apps.viewer.serve.session import Alternative, Session
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.overrides import lines_of
@@ -92,11 +92,14 @@ def test_a_long_list_is_told_bit_by_bit(
 
 @pytest.mark.slow
 def test_the_profile_that_the_server_was_given_goes_into_the_job_file(served: Served, opened: Open) -> None:
-    assert Server(served.server.folder, "laser-wood")._first_text(None, Path("/a/b.dxf")) == "profile: laser-wood\n"
-    assert Server(served.server.folder, "/a/p.yaml")._first_text("quantity: 2\n", Path("/a/b.dxf")) == (
+    assert (
+        Server(served.server.folder, Serving("laser-wood"))._first_text(None, Path("/a/b.dxf"))
+        == "profile: laser-wood\n"
+    )
+    assert Server(served.server.folder, Serving("/a/p.yaml"))._first_text("quantity: 2\n", Path("/a/b.dxf")) == (
         "quantity: 2\nprofile: p.yaml\n"
     )
-    assert Server(served.server.folder, "x")._first_text("profile: y\n", Path("/a/b.dxf")) == "profile: y\n"
+    assert Server(served.server.folder, Serving("x"))._first_text("profile: y\n", Path("/a/b.dxf")) == "profile: y\n"
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="Windows has no such rights")
