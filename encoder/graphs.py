@@ -130,6 +130,8 @@ def components(links: Sequence[Link] | Ints) -> list[list[int]]:
     [[1, 2], [3]]
     """
     ends = _ends(links)
+    if 2 * len(ends) <= ends.max(initial=0):  # a few of many nodes
+        ends = np.unique(ends, return_inverse=True)[1].reshape(-1, 2)
     label = strong_components(1 + int(ends.max(initial=0)), ends)[ends]
     within = np.flatnonzero(label[:, 0] == label[:, 1])
     found: dict[int, list[int]] = defaultdict(list)

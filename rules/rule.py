@@ -232,11 +232,10 @@ class OrderRule(Rule[OptionsT]):
 
     def precede_each(self, facts: Facts, pairs: Iterable[Sequence[int]]) -> list[Precede]:
         """The same of many pairs: large nests have hundreds of thousands."""
-        rule, contours, side = self.id, facts.nest.contours, facts.start_side
-        named = ((before, after, contours[before].id, contours[after].id) for before, after in pairs)
+        rule, contours, side, reason = self.id, facts.nest.contours, facts.start_side, self.reason
         return [
-            Precede(before, after, About(rule, (first, then), order_sentence(self, first, then, side)))
-            for before, after, first, then in named
+            Precede(i, j, About(rule, (a := contours[i].id, b := contours[j].id), _order(a, b, reason(a, b, side))))
+            for i, j in pairs
         ]
 
     def violations(self, nest: Nest, cuts: CutSequence, options: OptionsT) -> list[Violation]:
@@ -252,7 +251,11 @@ class OrderRule(Rule[OptionsT]):
 
 def order_sentence(rule: OrderRule[Any], before: str, after: str, start_side: Side | None) -> str:
     """What a statement of an order rule says of two contours."""
-    return f"{before} is cut before {after}: {rule.reason(before, after, start_side)}"
+    return _order(before, after, rule.reason(before, after, start_side))
+
+
+def _order(before: str, after: str, reason: str) -> str:
+    return f"{before} is cut before {after}: {reason}"
 
 
 # The file that a rule of a plant stands in, as plans, programs and lists of rules name it.
