@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nest import Nest
-from kerfwise.jobs.inputs import ProfileLike, drawn_nest, plant_of
+from kerfwise.jobs.inputs import DrawingSaid, ProfileLike, drawn_nest, plant_of
 from kerfwise.jobs.nest_job import Job
 from kerfwise.jobs.nest_job import read_job as read_job_file
 from kerfwise.jobs.nest_job.job import day_of
@@ -89,9 +89,7 @@ def read_nest(
     (8, 16, 'part#1.hole1')
     """
     plant = answered(plant_of(profile), None, tuple((answers or {}).items()))
-    return drawn_nest(
-        path, plant, units=units, sheet_mm=sheet_mm, frame=frame, repair=repair, refit_arcs_mm=refit_arcs_mm
-    )
+    return drawn_nest(path, plant, DrawingSaid(units, sheet_mm, frame, repair, refit_arcs_mm))
 
 
 def load_profile(

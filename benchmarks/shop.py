@@ -23,7 +23,7 @@ from kerfwise.apps.nesting.find_nests import spacing_of
 from kerfwise.apps.nesting.request import order_of
 from kerfwise.benchmarks.nesting_lists import least_worth
 from kerfwise.cli import program
-from kerfwise.jobs.inputs import plant_of, reading
+from kerfwise.jobs.inputs import DrawingSaid, plant_of, reading
 
 Point = tuple[float, float]
 SHEET = (3000.0, 1500.0)
@@ -73,7 +73,7 @@ def strip_mm(listed: Path) -> float | None:
     except ImportError:
         return None
     plant = plant_of()
-    wanted = order_of([str(listed)], ["3000x1500"], [], reading(plant, units="mm")).wanted
+    wanted = order_of([str(listed)], ["3000x1500"], [], reading(plant, DrawingSaid("mm"))).wanted
     spacing = spacing_of(plant)
     items = [
         spyrrow.Item(kind.name, list(kind.part.outer.polygon.simplify(0.2).exterior.coords), kind.quantity,
@@ -106,7 +106,7 @@ def main() -> None:
         table = json.loads((out / "nests.json").read_text(encoding="utf-8"))
         print("use of each sheet:", ", ".join(f"{row['use']:.3f}" for row in table["sheets"]))
         plant = plant_of()
-        wanted = order_of([str(listed)], ["3000x1500"], [], reading(plant, units="mm")).wanted
+        wanted = order_of([str(listed)], ["3000x1500"], [], reading(plant, DrawingSaid("mm"))).wanted
         least = least_worth(wanted, spacing_of(plant)) / (SHEET[0] * SHEET[1])
         print(
             f"at least {least:.0f} whole sheets; metal of all parts {wanted.area_mm2 / SHEET[0] / SHEET[1]:.2f} sheets"

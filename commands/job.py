@@ -31,12 +31,12 @@ def check(job: str, nest: str | Path | None, trust: bool) -> None:
 
     Its profile is looked up, and its contours in NEST, or in the nest beside it.
     """
-    from kerfwise.jobs.inputs import drawn_nest, plant_of
+    from kerfwise.jobs.inputs import drawn_nest
     from kerfwise.jobs.nest_job import read_job
     from kerfwise.jobs.nest_job.request import NestRequest, locked_for, profile_for
 
     read = read_job(job)
-    plant = profile_for(NestRequest(job=read), read, print_note, lambda named: plant_of(named, trust))
+    plant = profile_for(NestRequest(job=read, trust=trust), read, print_note)
     for text in (*plant.chart_notes(), *plant.time_and_price_notes()):
         print_note(text)
     nest = nest or _beside(job)

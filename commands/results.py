@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,12 +15,13 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.questions import Questions
 from kerfwise.encoder.readers.read import SUFFIXES
-from kerfwise.jobs.inputs import plant_of, reading
+from kerfwise.jobs.inputs import reading
 
 from .shared_options import (
     FEED,
     KERF,
     OF_READING,
+    drawing_said,
     input_options,
     nest_request,
     print_note,
@@ -27,7 +29,6 @@ from .shared_options import (
     protect,
     read_inputs,
     read_program_alone,
-    reading_options,
     trusted_if,
 )
 from .terminal import expect_printed
@@ -46,12 +47,11 @@ def seen_nest(given: Mapping[str, Any]) -> tuple[Seen, NestRequest, Job | None]:
     from kerfwise.encoder.readers.read import seen
     from kerfwise.jobs.nest_job.request import job_for, profile_for
 
-    of_nest = {k: v for k, v in given.items() if k not in (*OF_READING, "nest", "profile", "trust", "origin")}
-    request = nest_request(given["profile"], **of_nest)
+    of_nest = {k: v for k, v in given.items() if k not in (*OF_READING, "nest", "trust", "origin")}
+    request = replace(nest_request(**of_nest), trust=given["trust"])
     job = job_for(given["nest"], request.job, print_note)
-    plant = profile_for(request, job, print_note, lambda named: plant_of(named, given["trust"]))
-    options = reading_options(*(given[name] for name in OF_READING))
-    return seen(given["nest"], reading(plant, **options)), request, job
+    plant = profile_for(request, job, print_note)
+    return seen(given["nest"], reading(plant, drawing_said(given))), request, job
 
 
 def draw_seen(found: Seen, nest: str, output: str) -> None:

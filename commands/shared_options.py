@@ -17,6 +17,7 @@ from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.questions import Question, Questions
 from kerfwise.encoder.readers.read import SUFFIXES
 from kerfwise.jobs.inputs import (
+    DrawingSaid,
     Inputs,
     common_cuts_not_made,
     dates_ignored,
@@ -24,7 +25,6 @@ from kerfwise.jobs.inputs import (
     fewer_than_wanted,
     plant_of,
     reading,
-    silent,
     tabs_not_left,
 )
 from kerfwise.jobs.nest_job.job import ENDING, job_beside
@@ -34,7 +34,7 @@ from kerfwise.rules.profile.load import DEFAULT, files_of
 from kerfwise.rules.profile.plant_sections import ORIGINS, Origin
 
 if TYPE_CHECKING:
-    from kerfwise.encoder.readers.options import FrameName, ReadOptions
+    from kerfwise.encoder.readers.options import ReadOptions
     from kerfwise.jobs.nest_job.request import NestRequest
     from kerfwise.jobs.programs import OldJob, ProgramRequest
     from kerfwise.postproc.check.reader.read_program import Trusted
@@ -121,13 +121,7 @@ def _naming_the_nest(verb: Verb) -> Verb:
     return named
 
 
-def read_inputs(
-    nest: str,
-    profile: str | None,
-    origin: Origin | None = None,
-    trust: bool = False,
-    **options: Any,
-) -> Inputs:
+def read_inputs(nest: str, origin: Origin | None = None, trust: bool = False, **options: Any) -> Inputs:
     """Read both, the nest as the profile has it cut; what the reader has to say goes to standard error, a line each.
 
     What its job file, --set and --lock say is laid over the profile: `options` are those that `nest_options` adds, with
@@ -136,18 +130,17 @@ def read_inputs(
     from kerfwise.jobs.inputs import refit_as_made
     from kerfwise.jobs.nest_job.request import job_for, kept_answers, locked_for, locks_told, profile_for
 
-    of_reading = [options.pop(name) for name in OF_READING]
-    request = nest_request(profile, **options)
+    said = drawing_said({name: options.pop(name) for name in OF_READING})
+    request = replace(nest_request(**options), trust=trust)
     job = job_for(nest, request.job, print_note)
-    plant = profile_for(request, job, print_note, lambda named: plant_of(named, trust))
+    plant = profile_for(request, job, print_note)
     if lock_note := locks_told(plant):
         print_note(lock_note)
-    reading = reading_options(*of_reading)
-    reading["refit_arcs_mm"] = refit_as_made(reading["refit_arcs_mm"], request.last, plant, print_note)
-    read = drawn_nest(nest, plant, **reading)
+    refit_mm = refit_as_made(said.refit_arcs_mm, request.last, plant, print_note)
+    read = drawn_nest(nest, plant, replace(said, refit_arcs_mm=refit_mm))
     if (kept := kept_answers(nest, job, request, read, print_note)) is not job:
         job = kept
-        plant = profile_for(request, job, silent, lambda named: plant_of(named, trust))
+        plant = profile_for(request, job)
     plant = plant.at_origin(origin) if origin else plant
     for note in plant.without_losses(read).notes:
         click.echo(f"{note.severity}: {note.text}", err=True)
@@ -161,8 +154,7 @@ OF_READING = ("units", "sheet", "frame", "repair", "refit_arcs")
 
 def reading_of(inputs: Inputs, options: Mapping[str, Any]) -> ReadOptions:
     """How the nest was read, with what the command line says of that."""
-    read_options = reading_options(*(options[name] for name in OF_READING))
-    return reading(inputs.profile, **read_options | {"refit_arcs_mm": inputs.nest.refit_arcs_mm})
+    return reading(inputs.profile, replace(drawing_said(options), refit_arcs_mm=inputs.nest.refit_arcs_mm))
 
 
 def protect(inputs: Inputs, nest: str, outputs: Iterable[str | Path | None], *others: str | Path | None) -> None:
@@ -261,13 +253,11 @@ DATE = click.option("--date", callback=_day, default="", metavar="DAY",
 # Lengths and sizes on the command line, and what they say of how a nest is read.
 
 
-def reading_options(
-    units: str | None, sheet: str | None, frame: FrameName | None, repair: bool, refit_arcs: str | None
-) -> dict[str, Any]:
-    """What `drawn_nest` takes of these options."""
+def drawing_said(options: Mapping[str, Any]) -> DrawingSaid:
+    """What the options `OF_READING` say of the drawing."""
+    units, sheet, frame, repair, refit_arcs = (options[name] for name in OF_READING)
     size_mm = size_of(sheet) if sheet else None
-    refit_mm = length_of("--refit-arcs", refit_arcs) if refit_arcs else None
-    return {"units": units, "sheet_mm": size_mm, "frame": frame, "repair": repair, "refit_arcs_mm": refit_mm}
+    return DrawingSaid(units, size_mm, frame, repair, length_of("--refit-arcs", refit_arcs) if refit_arcs else None)
 
 
 def length_of(option: str, text: str) -> float:

@@ -66,17 +66,22 @@ def plant_of(profile: ProfileLike = DEFAULT, trust: bool = False) -> Profile:
     return load_profile(_path("profile", profile, "a Profile, a name or a path"), trust=trust)
 
 
-def drawn_nest(
-    nest: NestLike,
-    profile: Profile,
-    *,
-    units: str | None = None,
-    sheet_mm: tuple[float, float] | None = None,
-    frame: FrameName | None = None,
-    repair: bool = False,
-    refit_arcs_mm: float | None = None,
-) -> Nest:
-    """The nest as it is drawn, read as the profile's section `drawing` says, unless it is said here.
+@dataclass(frozen=True, slots=True)
+class DrawingSaid:
+    """What is said of how a nest's file is read; for what is None, the profile's section `drawing` holds."""
+
+    units: str | None = None
+    sheet_mm: tuple[float, float] | None = None
+    frame: FrameName | None = None
+    repair: bool = False
+    refit_arcs_mm: float | None = None
+
+
+NOTHING_SAID = DrawingSaid()
+
+
+def drawn_nest(nest: NestLike, profile: Profile, said: DrawingSaid = NOTHING_SAID) -> Nest:
+    """The nest as it is drawn, read as the profile's section `drawing` and what is said beside it have it.
 
     Raises InputError if the file cannot be read, or what it holds cannot be cut.
     """
@@ -84,28 +89,20 @@ def drawn_nest(
         return nest
     from kerfwise.encoder.readers import read_nest
 
-    options = reading(profile, units, sheet_mm, frame, repair, refit_arcs_mm)
-    return read_nest(_path("nest", nest, "a Nest or a path"), options)
+    return read_nest(_path("nest", nest, "a Nest or a path"), reading(profile, said))
 
 
-def reading(
-    profile: Profile,
-    units: str | None = None,
-    sheet_mm: tuple[float, float] | None = None,
-    frame: FrameName | None = None,
-    repair: bool = False,
-    refit_arcs_mm: float | None = None,
-) -> ReadOptions:
-    """How a nest file is read: as the profile's section `drawing` says, unless it is said here."""
+def reading(profile: Profile, said: DrawingSaid = NOTHING_SAID) -> ReadOptions:
+    """How a nest file is read: as the profile's section `drawing` and what is said beside it have it."""
     options = profile.read_options()
     return replace(
         options,
-        units=units or options.units,
-        units_by_profile=options.units_by_profile and units is None,
-        sheet_size_mm=sheet_mm or options.sheet_size_mm,
-        frame=frame or options.frame,
-        repair=repair,
-        refit_arcs_mm=refit_arcs_mm or options.refit_arcs_mm,
+        units=said.units or options.units,
+        units_by_profile=options.units_by_profile and said.units is None,
+        sheet_size_mm=said.sheet_mm or options.sheet_size_mm,
+        frame=said.frame or options.frame,
+        repair=said.repair,
+        refit_arcs_mm=said.refit_arcs_mm or options.refit_arcs_mm,
     )
 
 

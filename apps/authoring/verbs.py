@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -67,9 +68,9 @@ def profile_show(
 
     if profile is None and job is None:
         raise click.UsageError("Missing argument 'PROFILE', or --job JOB.")
-    request = nest_request(profile, job, job is None, settings, lock)
+    request = replace(nest_request(profile, job, job is None, settings, lock), trust=trust)
     read = job_for("", request.job, print_note)
-    loaded = profile_for(request, read, print_note, lambda named: load_profile(str(named), trust=trust))
+    loaded = profile_for(request, read, print_note)
     click.echo(profile_yaml(profile_with_locks(loaded, request, read), sources), nl=False)
     expect_printed()
 

@@ -17,7 +17,7 @@ from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import is_file, is_folder
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.read import SUFFIXES
-from kerfwise.jobs.inputs import Inputs, Tell, common_cuts_not_made, drawn_nest, plant_of, tabs_not_left
+from kerfwise.jobs.inputs import DrawingSaid, Inputs, Tell, common_cuts_not_made, drawn_nest, plant_of, tabs_not_left
 from kerfwise.jobs.nest_job import Job, job_beside, read_job
 from kerfwise.jobs.nest_job.request import NestRequest, job_for, locked_for, profile_for
 from kerfwise.rules.profile.load import DEFAULT, files_of
@@ -173,7 +173,7 @@ def task_inputs(piece: NestTask, tell: Tell) -> Inputs:
         job = replace(job, profile=None)  # and so with the profile
     request = NestRequest(_plant(piece.machine), last=last if is_file(last) else None)
     plant = profile_for(request, job, tell)
-    drawn = drawn_nest(piece.source, plant, repair=piece.options.repair)
+    drawn = drawn_nest(piece.source, plant, DrawingSaid(repair=piece.options.repair))
     inputs = locked_for(plant.as_cut(drawn), piece.source, plant, request, job, tell)
     for text in _notes(drawn, inputs):
         tell(text)

@@ -38,7 +38,7 @@ from kerfwise.apps.nesting.programs import make_programs
 from kerfwise.apps.nesting.request import order_of
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.nearest_name import unknown
-from kerfwise.jobs.inputs import ProfileLike, Tell, plant_of, reading
+from kerfwise.jobs.inputs import DrawingSaid, ProfileLike, Tell, plant_of, reading
 from kerfwise.jobs.nest_job.job import day_of
 from kerfwise.jobs.nest_job.request import answered
 from kerfwise.jobs.progress import Listener
@@ -246,7 +246,7 @@ def list_request(
     expect_engine(engine)
     for plant in plants:
         spacing_of(plant, gap_mm, edge_mm)
-    reads = reading(plants[0], units=units, repair=repair)
+    reads = reading(plants[0], DrawingSaid(units, repair=repair))
     words = _words(parts), _words(sheets), _words(remnants)
     order = order_of(*words, reads, tell, skip_bad=skip_bad, name_pattern=name_pattern)
     effort = Effort(rounds, time_s, seed)

@@ -15,6 +15,7 @@ from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Contour, Nest
 from kerfwise.encoder.questions import OF_CUTTING, OF_LAYERS, Answers, answer_problem, with_answers
 from kerfwise.jobs.inputs import (
+    DrawingSaid,
     Inputs,
     NestLike,
     ProfileLike,
@@ -51,7 +52,8 @@ class NestRequest:
     """What is asked for a nest by whoever runs kerfwise; what is not, its job file says, or else its profile.
 
     `last` is the plan (or program, or its path) in which contours have the numbers that locks call them by; None for
-    the plan beside the nest. `date` is the day that the program's top says, "" for that of the job file.
+    the plan beside the nest. `date` is the day that the program's top says, "" for that of the job file. `trust` lets
+    Python rules run that the profile names.
     """
 
     profile: ProfileLike | None = None
@@ -61,6 +63,7 @@ class NestRequest:
     answers: Answers = ()
     last: Plan | str | Path | None = None
     date: str = ""
+    trust: bool = False
 
 
 NOTHING = NestRequest()
@@ -85,9 +88,7 @@ def job_for(nest: NestLike, job: JobLike, tell: Tell = silent) -> Job | None:
     return read_job(beside)
 
 
-def profile_for(
-    request: NestRequest, job: Job | None, tell: Tell = silent, load: Callable[[ProfileLike], Profile] = plant_of
-) -> Profile:
+def profile_for(request: NestRequest, job: Job | None, tell: Tell = silent) -> Profile:
     """The profile that is given, else that of the job file, else the default, with what job and asker set in it.
 
     Raises InputError if there is no such profile, or it or a setting is wrong: with its place.
@@ -95,13 +96,13 @@ def profile_for(
     named = None if job is None else job.profile_path
     if request.profile is None and job is not None and named is not None:
         try:
-            plant = load(named)
+            plant = plant_of(named, request.trust)
         except InputError as error:
             if error.line is not None or not error.message.startswith(("unknown profile", "cannot read the profile")):
                 raise
             raise wrong_at(job.said_at.get("profile"), f"profile: {error}") from None
     else:
-        plant = load(DEFAULT if request.profile is None else request.profile)
+        plant = plant_of(DEFAULT if request.profile is None else request.profile, request.trust)
     if job is not None and request.profile is not None and named is not None:
         tell(f"{job.name} names the profile {job.profile}: the one that is given, {plant.name}, goes before it")
     if job is not None and job.machine is not None and job.machine.casefold() != plant.name.casefold():
@@ -148,7 +149,7 @@ def inputs_for(nest: NestLike, request: NestRequest = NOTHING, tell: Tell = sile
     job = None if laid and request.job is None else job_for(nest, request.job, tell)
     plant = profile_for(request, job, tell)
     refit_mm = None if isinstance(nest, Nest) else refit_as_made(None, request.last, plant, tell)
-    read = plant.as_cut(drawn_nest(nest, plant, refit_arcs_mm=refit_mm))
+    read = plant.as_cut(drawn_nest(nest, plant, DrawingSaid(refit_arcs_mm=refit_mm)))
     return locked_for(read, None if isinstance(nest, Nest) else nest, plant, request, job, tell)
 
 

@@ -15,7 +15,7 @@ from typing import Any
 from kerfwise.encoder.already_cut import NOTHING_CUT, AlreadyCut
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.readers.read import file_bytes
-from kerfwise.jobs.inputs import Inputs, Tell, drawn_nest, plant_of, silent
+from kerfwise.jobs.inputs import DrawingSaid, Inputs, Tell, drawn_nest, silent
 from kerfwise.jobs.nest_job.job import Job, beside_name, job_of
 from kerfwise.jobs.nest_job.request import NestRequest, locked_for, profile_for
 from kerfwise.jobs.resume import already_cut
@@ -135,8 +135,8 @@ def request_inputs(wanted: PlanRequest, tell: Tell = silent) -> Inputs:
     """
     name = enter_nest_folder(wanted)
     job = job_in(wanted)
-    request = NestRequest(job=False if job is None else job, last=old_plan(wanted))
-    plant = profile_for(request, job, tell, lambda named: plant_of(named, wanted.trust))
+    request = NestRequest(job=False if job is None else job, last=old_plan(wanted), trust=wanted.trust)
+    plant = profile_for(request, job, tell)
     read, as_cut = _nest_by(wanted, plant)
     for note in read.notes:
         tell(f"{note.severity}: {note.text}")
@@ -154,7 +154,7 @@ def _nest_by(wanted: PlanRequest, plant: Profile) -> tuple[Nest, Nest]:
     for known, by, *nests in _read:
         if known == key and by == plant:
             return nests[0], nests[1]
-    read = drawn_nest(Path(wanted.nest).name, plant, repair=wanted.repair)
+    read = drawn_nest(Path(wanted.nest).name, plant, DrawingSaid(repair=wanted.repair))
     _read[:] = [(key, plant, read, plant.as_cut(read)), *_read][:_MOST_READ]
     return read, _read[0][-1]
 

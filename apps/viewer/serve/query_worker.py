@@ -24,7 +24,7 @@ from kerfwise.encoder.questions import OF_CUTTING
 from kerfwise.encoder.questions import Questions as OfDrawing
 from kerfwise.encoder.readers.read import BrokenNest, seen
 from kerfwise.jobs.explainer import Explainer, MovePreview, Mover
-from kerfwise.jobs.inputs import Inputs, lines_as_cut, plant_of, reading, silent
+from kerfwise.jobs.inputs import DrawingSaid, Inputs, lines_as_cut, reading
 from kerfwise.jobs.nest_job.request import NestRequest, profile_for
 from kerfwise.models.plan.explain.explain import as_text
 from kerfwise.models.plan.plan import Plan
@@ -103,9 +103,8 @@ class Desk:
         """
         name = enter_nest_folder(wanted)
         job = job_in(wanted)
-        request = NestRequest(job=False if job is None else job)
-        plant = profile_for(request, job, silent, lambda named: plant_of(named, wanted.trust))
-        found = seen(name, reading(plant, repair=wanted.repair))
+        plant = profile_for(NestRequest(job=False if job is None else job, trust=wanted.trust), job)
+        found = seen(name, reading(plant, DrawingSaid(repair=wanted.repair)))
         lines = found.lines
         if found.nest is not None and job is not None and {question for question, _ in job.answers} & set(OF_CUTTING):
             lines = tuple(lines_as_cut(found.nest, plant))
