@@ -54,7 +54,7 @@ OnRound = Callable[[int, int], object]
 
 
 class NestOptions(TypedDict, total=False):
-    """What `nest` and `make` take by keyword besides, each with the default that `list_request` has for it."""
+    """What `nest` and `make` take by keyword besides, each with a default in `_USUAL`."""
 
     sheets: Files
     remnants: Files
@@ -203,62 +203,55 @@ def _nested(
     return request, nest_groups(request, lambda: _Watch(on_round), lambda name: Listener(), notes.append)
 
 
+_USUAL: NestOptions = {
+    "sheets": (), "remnants": (), "gap_mm": None, "edge_mm": None, "engine": "own", "purpose": "density",
+    "weigh": WEIGHED, "weigh_work": WEIGH_WORK, "rounds": 12, "time_s": None, "seed": 1, "units": None,
+    "repair": False, "skip_bad": False, "name_pattern": None, "answers": None, "settings": (), "date": "",
+}  # fmt: skip
+
+
 def list_request(
     parts: Files,
     profiles: ProfileLike | Sequence[ProfileLike],
     tell: Tell,
-    *,
-    sheets: Files = (),
-    remnants: Files = (),
-    gap_mm: float | None = None,
-    edge_mm: float | None = None,
-    engine: Engine = "own",
-    purpose: Purpose = "density",
-    weigh: int = WEIGHED,
-    weigh_work: float = WEIGH_WORK,
-    rounds: int = 12,
-    time_s: float | None = None,
-    seed: int = 1,
-    units: str | None = None,
-    repair: bool = False,
-    skip_bad: bool = False,
-    name_pattern: str | None = None,
-    answers: Mapping[str, str] | None = None,
-    settings: Settings = (),
-    date: str = "",
     trust: bool = False,
+    **options: Unpack[NestOptions],
 ) -> ListRequest:
     """Read parts, sheets and remnants, and find for each group of parts how it is cut; `tell` hears the readers."""
-    if purpose not in PURPOSES:
-        raise InputError(unknown("purpose", str(purpose), PURPOSES))
-    for name, count in (("rounds", rounds), ("weigh", weigh)):
+    given: NestOptions = {**_USUAL, **options}
+    if given["purpose"] not in PURPOSES:
+        raise InputError(unknown("purpose", str(given["purpose"]), PURPOSES))
+    for name, count in (("rounds", given["rounds"]), ("weigh", given["weigh"])):
         if not isinstance(count, int) or count < 1:
             raise InputError(f"{name}: expected a whole number from 1, got {count!r}")
-    for name, limit in (("time_s", time_s), ("weigh_work", weigh_work)):
+    for name, limit in (("time_s", given["time_s"]), ("weigh_work", given["weigh_work"])):
         if limit is not None and not limit > 0:
             raise InputError(f"{name}: expected a number over 0, got {limit!r}")
+    gap_mm, edge_mm, skip_bad = given["gap_mm"], given["edge_mm"], given["skip_bad"]
     for name, mm in (("gap_mm", gap_mm), ("edge_mm", edge_mm)):
         if mm is not None and not mm >= 0:
             raise InputError(f"{name}: expected 0 or more, got {mm!r}")
     named = [profiles] if isinstance(profiles, str | Path | Profile) else list(profiles)
-    laid, said = settings_of(settings), tuple((answers or {}).items())
+    laid, said = settings_of(given["settings"]), tuple((given["answers"] or {}).items())
     plants = [with_settings(answered(plant_of(one, trust), None, said), laid) for one in named]
-    expect_engine(engine)
+    expect_engine(given["engine"])
     for plant in plants:
         spacing_of(plant, gap_mm, edge_mm)
-    reads = reading(plants[0], DrawingSaid(units, repair=repair))
-    words = _words(parts), _words(sheets), _words(remnants)
-    order = order_of(*words, reads, tell, skip_bad=skip_bad, name_pattern=name_pattern)
-    effort = Effort(rounds, time_s, seed)
+    reads = reading(plants[0], DrawingSaid(given["units"], repair=given["repair"]))
+    words = _words(parts), _words(given["sheets"]), _words(given["remnants"])
+    order = order_of(*words, reads, tell, skip_bad=skip_bad, name_pattern=given["name_pattern"])
+    effort = Effort(given["rounds"], given["time_s"], given["seed"])
+    how = given["engine"], given["purpose"], given["weigh"], given["weigh_work"]
 
     def nesting(plant: Profile, wanted: Demand) -> NestingRequest:
         spacing = spacing_of(plant, gap_mm, edge_mm)
         for note in (spacing_warning(plant, spacing), *plant.chart_notes()):
             if note:
                 tell(note)
-        return NestingRequest(plant, wanted, spacing, effort, engine, purpose, weigh, weigh_work)
+        return NestingRequest(plant, wanted, spacing, effort, *how)
 
-    return request_list(order, plants, nesting, skip_bad=skip_bad, answers=said, date=day_of(date), settings=laid)
+    day = day_of(given["date"])
+    return request_list(order, plants, nesting, skip_bad=skip_bad, answers=said, date=day, settings=laid)
 
 
 def _words(files: Files) -> list[str]:
