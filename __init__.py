@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from .apps.resequence.api import resequence
     from .apps.resequence.result import Resequenced
     from .apps.viewer.compare.api import compare
-    from .apps.viewer.compare.output import Comparison
+    from .apps.viewer.compare.comparison import Comparison
 
 __version__ = "0.1.0"
 __all__ = [

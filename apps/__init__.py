@@ -25,7 +25,7 @@ VERBS = {
 """Verb → the module that has its command, and what it does in a line."""
 
 NAMES = {
-    "Comparison": "viewer.compare.output",
+    "Comparison": "viewer.compare.comparison",
     "EditedNest": "edit.edited_nest",
     "Nests": "nesting.nest_list",
     "Offer": "pareto.pareto",

@@ -128,7 +128,7 @@ def _expect_two(
 def _expect_outputs(outputs: Sequence[str], inputs: Sequence[str | None]) -> None:
     from kerfwise.postproc.output_files import expect_outputs
 
-    from .output import expect_kinds
+    from .comparison import expect_kinds
 
     expect_kinds(outputs)
     expect_outputs(map(Path, outputs), (Path(name) for name in inputs if name))

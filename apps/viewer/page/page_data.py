@@ -1,23 +1,19 @@
-"""The page of a plan, or of two: nest, plan, verdict and program as data for the browser."""
+"""The page of a plan: nest, plan, verdict and program as data for the browser."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
 from itertools import pairwise
-from pathlib import Path
 
-from kerfwise.apps.viewer.compare.comparison import Compared, figure_rows, proofs, rule_rows, sides, summary_of
-from kerfwise.apps.viewer.compare.sides import Side
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.geometry.curve import Curve
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.torch_path import paced
 from kerfwise.jobs.display import proof_of, summary_lines
 from kerfwise.jobs.inputs import Inputs
 from kerfwise.jobs.programs import check_made
-from kerfwise.models.plan.plan import Plan, PlannedCut
+from kerfwise.models.plan.plan import Plan
 from kerfwise.postproc.check import CheckResult
 from kerfwise.postproc.check.reader.program import Burn
 from kerfwise.postproc.check.result import Judgement
@@ -71,27 +67,6 @@ def page_data(
     return page_of(inputs.nest, [side], nest_name(inputs.nest, plan))
 
 
-def compared_data(compared: Compared) -> Data:
-    """The page of two plans or programs, with what differs."""
-    sides = [
-        _compared(side) | {"name": f"{letter}: {escape_text(side.name)}"}
-        for letter, side in (("A", compared.a), ("B", compared.b))
-    ]
-    nest = compared.a.given.nest
-    title = f"{escape_text(Path(nest.file or 'nest').name)} compared"
-    return page_of(nest, sides, title) | {"comparison": comparison_data(compared)}
-
-
-def _compared(side: Side) -> Data:
-    if side.plan is None:
-        return program_side(side)
-    nest, profile = side.given.nest, side.profile.at_origin(side.plan.origin)
-    data = plan_side(side.given, side.plan, side.verdict)
-    data["nc"] = program_data(write_program(side.plan, nest, profile), nest, profile)
-    data["heat"] = heat_data(side.given, side.plan, side.heat is not None)
-    return data
-
-
 def page_bytes(data: Data) -> bytes:
     """The page as the content of a file."""
     return page_html(data).encode("utf-8")
@@ -120,47 +95,6 @@ def plan_side(inputs: Inputs, plan: Plan, verdict: CheckResult) -> Data:
     }
     side["figures"] |= {"proof": proof_of(plan), "cost": None if plan.cost is None else str(plan.cost)}
     return side
-
-
-def program_side(side: Side) -> Data:
-    """A program on its machine: its own burns, and what the check says of it."""
-    nest, job = side.given.nest, side.times.timed.job
-    begun = {round(burn.start_s, 3): burn for burn in side.burns}
-    cuts = []
-    for cut in side.cuts.new:
-        contour = nest.contour(cut.contour)
-        burn = begun.get(round(cut.start_s, 3))
-        length_mm = contour.curve.length_mm if burn is None else burn.path.length_mm
-        planned = PlannedCut(cut, contour.part, contour.kind, length_mm)
-        data = cut_data(nest, planned, None if burn is None else burn.path)
-        if burn is not None:
-            data |= {"stand_s": short(burn.held_s + burn.pierce_s), "wait_s": short(burn.wait_s)}
-        cuts.append(data)
-    return {
-        "name": side.name,
-        "profile": side.profile.name,
-        "kerf_mm": short(side.profile.material.kerf_mm),
-        "home": [short(v) for v in side.home],
-        "made": side.cuts.made,
-        "end_s": short(max([side.times.total_s, *(cut["to_s"] for cut in cuts)])),
-        "figures": {
-            "cut_mm": short(job.on_mm), "idle_mm": short(job.idle_mm), "pierces": job.pierces, "status": "",
-            "gap": None, "light_gap": None, "proof": side.proof, "cost": None,
-        },
-        "said": [],
-        "ok": side.verdict.ok,
-        "state": state_data(side.verdict.state),
-        "cuts": cuts,
-        "pierces": [],
-        "already": [nest.index[cut.contour] for cut in side.cuts.cuts[: side.cuts.made]],
-        "rules": rules_data(side.verdict, side.profile),
-        "warnings": list(side.verdict.warnings),
-        "dropped": [],
-        "left_out": [],
-        "why": {},
-        "heat": None,
-        "nc": None,
-    }  # fmt: skip
 
 
 def _cuts(nest: Nest, toolpath: Toolpath, profile: Profile) -> list[Data]:
@@ -197,25 +131,6 @@ def _stands_s(toolpath: Toolpath, profile: Profile) -> float:
     if toolpath.pierced:
         return profile.machine.at_hole_s
     return profile.machine.unpierced_s if toolpath.edge_start else profile.machine.pierce_time_s
-
-
-# What differs between two ways to cut a nest, as data.
-
-
-def comparison_data(compared: Compared) -> Data:
-    """Figures, rules and cuts of both sides, in the words that `kerfwise compare` prints."""
-    index = compared.a.given.nest.index
-    return {
-        "sides": sides(compared),
-        "figures": [list(row) for row in figure_rows(compared)],
-        "rules": [list(row) for row in rule_rows(compared)],
-        "proofs": proofs(compared),
-        "summary": summary_of(compared.changed, len(compared.cuts)),
-        "changed": [
-            {"contour": index.get(pair.contour, -1), "a": pair.a, "b": pair.b, "told": pair.told}
-            for pair in compared.changed
-        ],
-    }
 
 
 # What the check says of every rule, as data.

@@ -14,7 +14,8 @@ from typing import Any, TypeVar
 
 from kerfwise.apps.edit.edited_nest import editing
 from kerfwise.apps.viewer.compare import Side, SideAsked, compare, side_of
-from kerfwise.apps.viewer.page.page_data import compared_data, page_data
+from kerfwise.apps.viewer.compare.comparison import compared_data
+from kerfwise.apps.viewer.page.page_data import page_data
 from kerfwise.apps.viewer.page.page_html import nest_data, page_of
 from kerfwise.apps.viewer.page.page_reasons import heat_data, why_data
 from kerfwise.encoder.errors import REPAIR, InputError

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from kerfwise import Nest
 from kerfwise.apps.viewer.compare import SideAsked, compare, side_of
-from kerfwise.apps.viewer.page.page_data import compared_data, page_bytes, page_data
+from kerfwise.apps.viewer.compare.comparison import compared_data
+from kerfwise.apps.viewer.page.page_data import page_bytes, page_data
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.inputs import Inputs, drawn_nest, plant_of
 from kerfwise.jobs.request import options_for
