@@ -232,7 +232,7 @@ def _judge_program(
     if built.cuts.start_side is None and besides.side is not None:
         built = replace(built, cuts=replace(built.cuts, start_side=besides.side))
     astray = rapids_beyond_travel(nest, program, profile)
-    relaxed = read_relaxed(nest, program.comments)
+    relaxed = read_relaxed(nest, program.comments, profile.rulebook())
     if planned is not None:
         relaxed = tuple(dict.fromkeys((*relaxed, *planned.relaxed)))
     cut = _Cut(slots, built.cuts, built.runs, built.violations, astray, program.comments)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import unicodedata
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -284,14 +286,21 @@ class RelaxedStatement:
     contours: tuple[str, ...]
 
 
-def read_relaxed(nest: Nest, comments: Iterable[str]) -> tuple[RelaxedStatement, ...]:
-    """What the comments of a program say is relaxed; contours that the nest does not have are left out."""
+def read_relaxed(nest: Nest, comments: Iterable[str], rules: Iterable[str]) -> tuple[RelaxedStatement, ...]:
+    """What the comments of a program say is relaxed; contours that the nest does not have are left out.
+
+    `rules` are those that there are: what a comment cannot hold of a plant's own name, such as a space, is replaced.
+    """
     comments = tuple(comments)
     ids = ids_by_name(nest, comments)
+    written = [(normalize_name(_unaccented(rule)), rule) for rule in rules]
+    counts = Counter(name for name, _ in written)
+    named = {name: rule for name, rule in written if counts[name] == 1}
     found: dict[tuple[int, str], list[str]] = {}
     for words in filter(None, map(_RELAXED.fullmatch, comments)):
         names = (ids.get(normalize_name(name)) for name in (words["contours"] or "").split())
-        found.setdefault((int(words["number"]), words["rule"].lower()), []).extend(n for n in names if n)
+        rule = named.get(normalize_name(words["rule"]), words["rule"].lower())
+        found.setdefault((int(words["number"]), rule), []).extend(n for n in names if n)
     return tuple(RelaxedStatement(rule, tuple(names)) for (_, rule), names in found.items())
 
 
@@ -385,6 +394,10 @@ def relaxed_warnings(relaxed: Sequence[RelaxedStatement]) -> Iterator[str]:
 # Names of contours as they survive in a program's comments.
 
 _NAME = re.compile(r"NAME (?P<number>\d{1,9}) (?P<told>\S+) IS (?P<spelt>(?:[A-Za-z0-9.-]|=[0-9A-F]{2})*)")
+
+
+def _unaccented(text: str) -> str:
+    return "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
 
 
 def normalize_name(name: str) -> str:

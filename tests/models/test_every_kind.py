@@ -20,9 +20,9 @@ from kerfwise.models.engines.minizinc_engine import solve_minizinc
 from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.engines.solve import solve
 from kerfwise.models.heat_prices import HEAT
-from kerfwise.models.plan.conflict.conflict import soften
 from kerfwise.models.plan.conflict.core import Engines, find_core, find_whole_core
 from kerfwise.models.plan.conflict.groups import Group, hard_groups, order_groups
+from kerfwise.models.plan.conflict.ways_out import soften
 from kerfwise.models.plan.explain.alternatives import (
     PositionCosts,
     explain_entry,

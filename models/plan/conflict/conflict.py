@@ -3,28 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, islice
-from math import comb
-from typing import Any
-
-from ortools.sat.python.cp_model import OPTIMAL, CpModel
 
 from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.models.engines.deadline import Deadline
-from kerfwise.models.engines.portfolio import run_portfolio
-from kerfwise.models.engines.solution import SolveOptions
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.plan import RELAXED
-from kerfwise.models.problem.compile import make_problem
-from kerfwise.models.problem.problem import Problem
-from kerfwise.models.problem.simplify import simplify
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.rule import Rule
-from kerfwise.rules.statements import RELAXED_MM, About, Statement, by_kind
+from kerfwise.rules.statements import About, Statement, by_kind
 from kerfwise.rules.stating.state_rules import (
     HOPELESS,
     DroppedStatement,
@@ -37,8 +26,10 @@ from kerfwise.rules.stating.state_rules import (
 from kerfwise.rules.stating.statement_costs import COMMON
 
 from .core import Core, Engines, find_core, find_whole_core
-from .groups import DEFAULT_WORK, LAST, Group, NotAnswered, hard_groups, moves_or_seconds, order_groups, solver_within
+from .groups import DEFAULT_WORK, Group, NotAnswered, hard_groups, moves_or_seconds, order_groups
 from .order_conflicts import opposites, orders_of
+from .order_model import fewest_out
+from .ways_out import AT_ONCE, cheapest, find_relaxation, soften
 
 MOST, MOST_NAMED = 20, 8
 CORE = 0.6
@@ -55,7 +46,8 @@ class Conflict:
     Without any one of `clash` the others of it could hold (unless `minimal` is False); with `alone` none of them can be
     met by any plan, whatever the others ask. `relax` is what must give way
     so that *all* rules can hold: None where nothing that may give way helps or none was found, and then `stuck` says
-    which. `notes` are what no statement says. Unless `compared`, other statements, as few, may leave a cheaper plan.
+    which. `notes` are what no statement says. Unless `fewest`, fewer may do; unless `compared`, other statements, as
+    few, may leave a cheaper plan.
     """
 
     clash: tuple[About, ...]
@@ -65,6 +57,7 @@ class Conflict:
     notes: tuple[str, ...] = ()
     alone: bool = False
     compared: bool = True
+    fewest: bool = True
 
     @property
     def contours(self) -> tuple[str, ...]:
@@ -113,7 +106,8 @@ class Conflict:
         if self.relax is None:
             yield self.stuck
             return
-        yield "the cheapest way out:" if self.compared else "a way out (which one costs least was not compared):"
+        unknown = "which one costs least was not compared" if self.fewest else "fewer may do"
+        yield "the cheapest way out:" if self.compared and self.fewest else f"a way out ({unknown}):"
         by_rule: dict[str, list[About]] = {}
         for about in self.relax:
             by_rule.setdefault(about.rule, []).append(about)
@@ -136,7 +130,7 @@ def find_conflict(facts: Facts, profile: Profile, deadline: Deadline | None = No
     finder = _Finder(facts, profile, deadline)
     if alone := hopeless(statements):
         stuck, relax = _way_out_or_why_none(facts, profile, statements, finder)
-        return Conflict(alone, True, relax, stuck, (), alone=True, compared=finder.compared)
+        return Conflict(alone, True, relax, stuck, (), True, finder.compared, finder.fewest)
     core = finder.core(hard_groups(without_cycles(facts, profile, statements)), deadline.part(CORE))
     if core is None:
         return None
@@ -149,7 +143,7 @@ def find_conflict(facts: Facts, profile: Profile, deadline: Deadline | None = No
     if stuck == NOT_FOUND and softer:
         stuck += f", or make {' or '.join(softer)} soft or off"
     notes = (*_only_ways(facts, profile, forbidden), *_without_common_cuts(clash))
-    return Conflict(clash, core.minimal, relax, stuck, notes, compared=finder.compared)
+    return Conflict(clash, core.minimal, relax, stuck, notes, False, finder.compared, finder.fewest)
 
 
 def state_relaxed(facts: Facts, profile: Profile, *, deadline: Deadline | None = None) -> Stated:
@@ -175,13 +169,13 @@ class _Finder:
     """Finds contradictions, with so much work of the engines in all, and no more than the deadline allows.
 
     With `trusting`, what the engines show nothing of counts as none: whoever solves will see. `compared` says whether
-    plans were made for every way out that is as short as the one found.
+    plans were made for every way out that is as short as the one found, `fewest` whether none is shorter.
     """
 
     def __init__(self, facts: Facts, profile: Profile, deadline: Deadline, trusting: bool = False) -> None:
         self.facts, self.gives_way, self.trusting, self.deadline = facts, _gives_way(profile), trusting, deadline
         self.engines = Engines(facts, profile.home_on(facts.nest), feeds_of(profile), deadline=deadline)
-        self.compared = True
+        self.compared = self.fewest = True
 
     def core(self, groups: Sequence[Group], part: Deadline | None = None) -> Core | None:
         """A contradiction, on order and entries alone where there is one, within a part of the deadline.
@@ -202,6 +196,14 @@ class _Finder:
             if self.trusting:
                 return None
             raise
+
+    def at_once(self, groups: Sequence[Group], weights: Sequence[int | None]) -> tuple[list[int], bool] | None:
+        """Groups to give up, and whether no others weigh less, by one model of orders and entries; see `fewest_out`."""
+        asked = order_groups(groups)
+        number = {group.about: k for k, group in enumerate(groups)}
+        of = [number[group.about] for group in asked]
+        found = fewest_out(self.facts, asked, [weights[k] for k in of], self.deadline, AT_ONCE)
+        return None if found is None else ([of[k] for k in found[0]], found[1])
 
 
 NOT_FOUND = (
@@ -227,23 +229,25 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
     if not all(about.rule in book and book[about.rule].may_be_relaxed for about in out):
         raise RulesConflict(NO_HELP)
     clashes: list[frozenset[About]] = []
-    more = 0
+    more, whole = 0, True
     while True:
         began = finder.deadline.left
         left = soften(statements, out)
         try:
             groups = hard_groups(without_cycles(facts, profile, left))
             known = opposites(orders_of(facts, groups))
-            found = find_relaxation(groups, book, finder.core, finder.deadline, known)
+            found = find_relaxation(groups, book, finder.core, finder.deadline, known, finder.at_once)
         except NotAnswered:
             if finder.trusting and more:  # what was found so far may do, or nothing was left to ask
                 return tuple(out)
             raise RulesConflict(NOT_FOUND) from None
         if found is None:
             raise RulesConflict(NO_HELP)
+        finder.fewest = finder.fewest and found.fewest
         if not found.groups:
             first = out[: len(out) - more]
-            if finder.deadline.timed and finder.deadline.left < PLANS * (began - finder.deadline.left):
+            late = finder.deadline.timed and finder.deadline.left < PLANS * (began - finder.deadline.left)
+            if late or not whole:
                 finder.compared = not more
                 return tuple(out)
             left = soften(statements, first)
@@ -251,6 +255,7 @@ def _way_out(facts: Facts, profile: Profile, statements: Sequence[Statement], fi
                 finder.engines, left, out[len(first) :], clashes, _gives_way(profile), rules_of_sums(book)
             )
             return (*first, *best)
+        whole = whole and found.whole
         more += len(found.groups)
         clashes += found.clashes
         out += [group.about for group in found.groups]
@@ -296,193 +301,3 @@ def _listed(abouts: Sequence[About], most: int = MOST) -> Iterator[str]:
 def _times(abouts: Sequence[About]) -> str:
     counts = Counter(about.rule for about in abouts)
     return ", ".join(f"{count} of {rule}" for rule, count in sorted(counts.items()))
-
-
-WORK = 20.0
-"""CP-SAT's deterministic seconds for one choice of the lightest groups."""
-MOST_ASKED = 12_000
-"""How many groups are asked about in all: each contradiction that is looked for asks about every group once."""
-SOON = 0.01
-"""What asking about a group counts for where a contradiction was found soon."""
-
-
-@dataclass(frozen=True, slots=True)
-class Relaxation:
-    """Groups that give way; no fewer would do. `clashes` are what of every contradiction found may give way."""
-
-    groups: tuple[Group, ...]
-    clashes: tuple[frozenset[About], ...] = ()
-
-
-def find_relaxation(
-    groups: Sequence[Group],
-    book: Mapping[str, Rule[Any]],
-    core_of: Callable[[Sequence[Group]], Core | None],
-    deadline: Deadline | None = None,
-    known: Iterable[Sequence[int]] = (),
-) -> Relaxation | None:
-    """The fewest groups without which the others can hold; None if no rule that may be soft helps.
-
-    `core_of` finds a contradiction among groups, None where there is none; `known` are some, by numbers of groups.
-
-    Each counts the same, as in the objective of the plan that is made then; what is relaxed last, such as locks, weighs
-    more than everything else together. Found by implicit hitting sets (Davies and Bacchus 2011): contradictions are
-    gathered, the fewest groups that hit each of them taken out, until no contradiction is left. Raises NotAnswered if
-    no answer was found within the work, or the time, allowed.
-    """
-    deadline = deadline or Deadline(DEFAULT_WORK)
-    weights = _weights(groups, book)
-    clashes = [[k for k in clash if weights[k] is not None] for clash in known]
-    if not all(clashes):
-        return None
-    asked = 0.0
-    while True:
-        out = _lightest(clashes, weights, deadline)
-        left = [k for k in range(len(groups)) if k not in out]
-        whole = True
-        if asked > MOST_ASKED:
-            raise NotAnswered
-        while (core := core_of([groups[k] for k in left])) is not None:
-            named = {group.about for group in core.groups}
-            soft = [k for k in left if groups[k].about in named and weights[k] is not None]
-            if not soft:
-                return None
-            if deadline.timed and deadline.left <= 0:
-                raise NotAnswered  # a contradiction that is shown without a solver takes time as well
-            clashes.append(soft)
-            asked += len(groups) * (SOON if core.soon else 1.0)
-            left = [k for k in left if k not in soft]
-            whole = False
-        if whole:
-            hit = tuple(frozenset(groups[k].about for k in clash) for clash in clashes)
-            return Relaxation(tuple(groups[k] for k in sorted(out)), hit)
-
-
-def _lightest(clashes: Sequence[Sequence[int]], weights: Sequence[int | None], deadline: Deadline) -> set[int]:
-    """The groups of least total weight that hit every clash."""
-    model = CpModel()
-    taken = {k: model.new_bool_var("") for clash in clashes for k in clash}
-    for clash in clashes:
-        model.add_bool_or(taken[k] for k in clash)
-    model.minimize(sum((weights[k] or 0) * literal for k, literal in taken.items()))
-    solver = solver_within(deadline, WORK)
-    status = solver.solve(model)
-    deadline.spend(solver.response_proto.deterministic_time)
-    if status != OPTIMAL:
-        raise NotAnswered
-    return {k for k, literal in taken.items() if solver.boolean_value(literal)}
-
-
-def _weights(groups: Sequence[Group], book: Mapping[str, Rule[Any]]) -> list[int | None]:
-    """What relaxing each group costs; None where it may not be."""
-    weights: list[int | None] = []
-    for group in groups:
-        rule = book.get(group.about.rule)  # what is of no rule, such as which ways common cuts leave, stays
-        weights.append(1 if rule is not None and rule.may_be_relaxed else None)
-    heavy = 1 + sum(w for w in weights if w is not None)
-    return [heavy if group.about.rule in LAST else w for group, w in zip(groups, weights, strict=True)]
-
-
-def soften(statements: Iterable[Statement], relaxed: Iterable[About]) -> list[Statement]:
-    """The statements, those about which `relaxed` speaks at a price that no plan pays without need."""
-    abouts = set(relaxed)
-    return [replace(s, weight=RELAXED_MM) if s.weight is None and s.about in abouts else s for s in statements]
-
-
-# Of several ways out of a contradiction that are equally few, the one whose plan costs least by its own objective.
-#
-# Which of them leaves the best plan only a plan can tell, so one is made for each. Contradictions that have been
-# found say which sets there are: one of the fewest statements never has a statement that is in none of them.
-
-MOST_SETS, MOST_PLANS = 20_000, 60
-"""How many sets are looked through, and how many plans are made; past them the best found so far is taken."""
-MOST_CONTOURS = 200
-"""Of a nest with more, ways out are not compared: getting ready for each plan would take longer than the rest."""
-CHEAPEST_WORK = 2.0
-"""Work for one plan, or half of what is left, so that at least two can be compared."""
-SHARE, MOVES = 0.25, 0.2
-"""Where seconds are counted, share of them for one plan at the most; share of that for looking at moves over parts that
-are out."""
-
-
-def cheapest(
-    engines: Engines,
-    statements: Sequence[Statement],
-    found: Sequence[About],
-    clashes: Collection[frozenset[About]],
-    gives_way: Mapping[str, int],
-    of_sums: Collection[str] = (),
-) -> tuple[tuple[About, ...], bool]:
-    """What should give way in place of `found`: as many statements, no more of them locks, and one of each clash.
-
-    And whether all such sets were compared.
-    """
-    ways, whole = _sets(found, clashes)
-    sets = [way for way in ways if set(way) != set(found)]
-    if not sets or engines.facts.n > MOST_CONTOURS:
-        return tuple(found), whole and not sets
-    deadline, began = engines.deadline, engines.deadline.left
-    best, (cost, first) = tuple(found), _cost(engines, statements, found, gives_way, of_sums=of_sums)
-    took = began - deadline.left
-    for way in sets:
-        if deadline.left <= 0 or (deadline.timed and deadline.left < took):
-            return best, False
-        other, problem = _cost(engines, statements, way, gives_way, first, of_sums)
-        alike = first is None or problem is None or first.left_out == problem.left_out
-        if other is not None and alike and (cost is None or other < cost):
-            best, cost, first = way, other, problem
-    return best, whole
-
-
-def _sets(found: Sequence[About], clashes: Collection[frozenset[About]]) -> tuple[list[tuple[About, ...]], bool]:
-    """Sets that may give way, and whether they are all there are."""
-    pool = sorted(set().union(*clashes), key=lambda about: (about.rule, about.sentence))
-    if comb(len(pool), len(found)) > MOST_SETS:
-        return [], False
-    locks = _locks(found)
-    hitting = (
-        subset
-        for subset in combinations(pool, len(found))
-        if _locks(subset) <= locks and all(not clash.isdisjoint(subset) for clash in clashes)
-    )
-    sets = list(islice(hitting, MOST_PLANS + 1))
-    return sets[:MOST_PLANS], len(sets) <= MOST_PLANS
-
-
-def _locks(abouts: Collection[About]) -> int:
-    return sum(about.rule in LAST for about in abouts)
-
-
-def _cost(
-    engines: Engines,
-    statements: Sequence[Statement],
-    relaxed: Sequence[About],
-    gives_way: Mapping[str, int],
-    earlier: Problem | None = None,
-    of_sums: Collection[str] = (),
-) -> tuple[int | None, Problem | None]:
-    """The cost of the best plan that was found once these have given way, µm, and the problem that it solves.
-
-    Where seconds count no plan takes much more than its share: moves over parts that are out have no price where
-    looking at them takes longer, or had none in an `earlier` problem.
-    """
-    deadline = engines.deadline
-    work = min(CHEAPEST_WORK, 0.5 * max(deadline.left, 0.0))
-    most_s = min(CHEAPEST_WORK, SHARE * max(deadline.left, 0.0))
-    until = deadline.left - MOVES * most_s
-    try:
-        stated = resolve(soften(statements, relaxed), engines.facts.n, gives_way, of_sums).statements
-        problem = make_problem(
-            engines.facts,
-            stated,
-            engines.home_mm,
-            engines.feeds,
-            earlier,
-            lambda share: not deadline.timed or deadline.left > until,
-        )
-    except RulesConflict:
-        return None, None
-    options = SolveOptions(work=work, time_s=most_s if deadline.timed else None)
-    known = run_portfolio(simplify(problem), options)
-    deadline.spend(known.work)
-    return None if known.incumbent is None else known.incumbent.cost, problem

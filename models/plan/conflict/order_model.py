@@ -256,6 +256,28 @@ def clash_at_once(facts: Facts, groups: Sequence[Group], deadline: Deadline) -> 
     raise NotAnswered
 
 
+def fewest_out(
+    facts: Facts, groups: Sequence[Group], weights: Sequence[int | None], deadline: Deadline, share: float = 1.0
+) -> tuple[list[int], bool] | None:
+    """Groups, by number, without which the others can hold, of little weight, and whether none weigh less.
+
+    None if there are none; a group without a weight stays. It takes no more than a share of what is left. Raises
+    NotAnswered where nothing was shown.
+    """
+    built = _built(facts, groups, deadline)
+    built.model.add_bool_and(holds for holds, weight in zip(built.holds, weights, strict=True) if weight is None)
+    _hint(built, groups)
+    built.model.minimize(sum((weight or 0) * (1 - holds) for holds, weight in zip(built.holds, weights, strict=True)))
+    solver = solver_within(deadline.part(share), WORK)
+    status = solver.solve(built.model)
+    deadline.spend(solver.response_proto.deterministic_time)
+    if status == INFEASIBLE:
+        return None
+    if status not in (OPTIMAL, FEASIBLE):
+        raise NotAnswered
+    return [k for k, holds in enumerate(built.holds) if not solver.boolean_value(holds)], status == OPTIMAL
+
+
 def _answer(facts: Facts, groups: Sequence[Group], deadline: Deadline, presolve: bool) -> CpSolverStatus:
     """Whether all can hold, as far as next to no work tells."""
     built = _built(facts, groups, deadline)

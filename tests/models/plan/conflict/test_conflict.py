@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -295,3 +296,55 @@ def test_without_a_way_out_it_names_the_rules_that_can_be_made_soft(tmp_path: Pa
     )
     assert found("hard", "inner-before-outer") is not None
     assert found("soft") is None
+
+
+EARLY = """
+name: early
+based_on: plasma-carbon-steel
+own_rules:
+  - {name: early A, strength: hard, select: {part: A}, within_time: 55 %}
+  - {name: early B, strength: hard, select: {part: B}, within_time: 55 %}
+"""
+
+
+def two_parts_of_nine() -> Nest:
+    """Each with holes in two rows of four."""
+    holes = [(20 + 60 * (k % 4), 30 + 80 * (k // 4), 30, 30) for k in range(8)]
+    inside = [[rect(x + u, v, w, h) for u, v, w, h in holes] for x in (20, 360)]
+    parts = [part("A", rect(20, 10, 280, 190), inside[0]), part("B", rect(360, 10, 280, 190), inside[1])]
+    return nest(700, 260, *parts)
+
+
+@pytest.mark.slow
+def test_of_many_equal_conditions_the_fewest_give_way_at_once_and_the_advice_works(tmp_path: Path) -> None:
+    """Nine sums contradict nine others in hundreds of ways, each shown by a solver: there was no way out in 20 s."""
+    (path := tmp_path / "early.yaml").write_text(EARLY, encoding="utf-8")
+    made, profile = two_parts_of_nine(), load_profile(path)
+    facts = facts_of(made, profile)
+    conflict = find_conflict(facts, profile, Deadline(work=5.0))
+    assert conflict is not None
+    assert conflict.relax is not None
+    assert len(conflict.relax) == 3
+    assert "a way out (which one costs least was not compared):" in list(conflict.lines())
+    assert "a way out (fewer may do):" in list(replace(conflict, fewest=False).lines())
+    limits = options_for(made, profile, work=0.5)
+    followed = solve_and_verify(make_request(facts, profile, relax=True), profile, limits)
+    assert len([dropped for dropped in followed.plan.dropped if dropped.relaxed]) == 3
+    assert followed.verdict.ok
+
+
+def test_a_program_says_which_of_a_plants_own_rules_gave_way_whatever_their_names(tmp_path: Path) -> None:
+    """A comment holds no accents, and a name in it no spaces: the check read `own:first` in place of `own:first P2`."""
+    rules = "".join(
+        f"  - {{name: Früh {k}, strength: hard, select: {{part: {k}}}, first: true}}\n" for k in ("P2", "P3")
+    )
+    (path := tmp_path / "first.yaml").write_text(
+        f"based_on: plasma-carbon-steel\nown_rules:\n{rules}", encoding="utf-8"
+    )
+    profile = load_profile(path)
+    limits = options_for(PLATE, profile, work=0.5)
+    made = solve_and_verify(make_request(facts_of(PLATE, profile), profile, relax=True), profile, limits)
+    (relaxed,) = [dropped for dropped in made.plan.dropped if dropped.relaxed]
+    assert f"(RELAXED 1 {relaxed.rule.replace(' ', '_').replace('ü', 'u')} " in made.program
+    assert made.verdict.ok
+    assert check_program(PLATE, made.program, profile).rule(relaxed.rule).verdict == "excused"

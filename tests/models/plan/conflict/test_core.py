@@ -7,9 +7,11 @@ from itertools import combinations
 import pytest
 from hypothesis import given
 
-from kerfwise.models.plan.conflict.conflict import Relaxation, find_relaxation
+from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.plan.conflict.core import Core, find_core
 from kerfwise.models.plan.conflict.groups import CanClash, hard_groups
+from kerfwise.models.plan.conflict.order_model import fewest_out
+from kerfwise.models.plan.conflict.ways_out import Relaxation, _weights, find_relaxation
 from kerfwise.rules.registry import RULES
 from kerfwise.rules.statements import About, AtLeast, Before, Contiguous, Forbid, Lag, NoGood, Pick, Precede
 from kerfwise.tests.models.plan.conflict.statements import can_hold, row, statements
@@ -121,6 +123,13 @@ def test_the_way_out_is_the_cheapest(asked: list[CanClash]) -> None:
     out = [gone for size in range(len(may) + 1) for gone in combinations(may, size)]
     helping = [_price(gone) for gone in out if can_hold(FACTS, [s for s in asked if s not in gone])]
     assert (found is None) == (not helping)
+    groups = hard_groups(asked)
+    at_once = fewest_out(FACTS, groups, _weights(groups, RULES), Deadline(9.0))
+    assert (at_once is None) == (not helping)
+    if at_once is not None:
+        numbers, shown = at_once
+        assert shown
+        assert _price(tuple(s for k in numbers for s in groups[k].statements)) == min(helping)
     if found is not None:
         gone = tuple(s for group in found.groups for s in group.statements)
         assert can_hold(FACTS, [s for s in asked if s not in gone])

@@ -16,7 +16,6 @@ from kerfwise.jobs.request import facts_of, make_request, options_for
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.plan.conflict import core as core_module
 from kerfwise.models.plan.conflict import state_relaxed
-from kerfwise.models.plan.conflict.conflict import find_relaxation, soften
 from kerfwise.models.plan.conflict.core import Core, find_core, whole_order
 from kerfwise.models.plan.conflict.groups import (
     LAST,
@@ -30,6 +29,7 @@ from kerfwise.models.plan.conflict.groups import (
     solver_within,
 )
 from kerfwise.models.plan.conflict.order_conflicts import clash_of_orders, is_exact, orders_of, shortest_cycle
+from kerfwise.models.plan.conflict.ways_out import find_relaxation, soften
 from kerfwise.models.plan.plan import RELAXED
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import broken

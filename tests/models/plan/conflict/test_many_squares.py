@@ -14,9 +14,9 @@ from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.plan.conflict import conflict as conflict_module
 from kerfwise.models.plan.conflict import find_conflict
-from kerfwise.models.plan.conflict.conflict import _cost
 from kerfwise.models.plan.conflict.core import Engines, find_core
 from kerfwise.models.plan.conflict.groups import hard_groups, order_groups
+from kerfwise.models.plan.conflict.ways_out import _cost
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.lock import Lock
 from kerfwise.rules.profile.load import load_profile
