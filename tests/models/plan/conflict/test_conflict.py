@@ -335,12 +335,9 @@ def test_of_many_equal_conditions_the_fewest_give_way_at_once_and_the_advice_wor
 
 def test_a_program_says_which_of_a_plants_own_rules_gave_way_whatever_their_names(tmp_path: Path) -> None:
     """A comment holds no accents, and a name in it no spaces: the check read `own:first` in place of `own:first P2`."""
-    rules = "".join(
-        f"  - {{name: Früh {k}, strength: hard, select: {{part: {k}}}, first: true}}\n" for k in ("P2", "P3")
-    )
-    (path := tmp_path / "first.yaml").write_text(
-        f"based_on: plasma-carbon-steel\nown_rules:\n{rules}", encoding="utf-8"
-    )
+    rule = "  - {{name: Früh {k}, strength: hard, select: {{part: {k}}}, first: true}}\n"
+    text = "based_on: plasma-carbon-steel\nown_rules:\n" + rule.format(k="P2") + rule.format(k="P3")
+    (path := tmp_path / "first.yaml").write_text(text, encoding="utf-8")
     profile = load_profile(path)
     limits = options_for(PLATE, profile, work=0.5)
     made = solve_and_verify(make_request(facts_of(PLATE, profile), profile, relax=True), profile, limits)
