@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from kerfwise.encoder.display import join_names
 from kerfwise.encoder.errors import InputError
 from kerfwise.models.plan.plan import Dropped, Plan
 from kerfwise.postproc.check import CheckResult, report
@@ -150,9 +151,7 @@ def summary_lines(plan: Plan) -> list[str]:
         all_told = f"{len(plan.waits)}, {plan.wait_s:.1f} s in all"
         longest_told = f"the longest {longest.dwell_s:.1f} s before {longest.cut.contour}"
         lines.append(f"waits for metal to cool: {all_told}, {longest_told}")
-    for dropped in plan.dropped:
-        lines.append(f"{_what_of(dropped)}, {dropped.why}")
-    return lines
+    return [*lines, *_dropped(plan.dropped)]
 
 
 def job_line(job: Job, plan: Plan) -> str:
@@ -228,7 +227,19 @@ def _prices(plan: Plan) -> Iterator[str]:
     yield f"that is travel {prices.travel_mm / 1000:.3f} m" + "".join(rules) + shown
 
 
-def _what_of(dropped: Dropped) -> str:
-    if dropped.relaxed or not dropped.contours:
-        return dropped.rule
-    return f"dropped: {' before '.join(dropped.contours)} ({dropped.rule})"
+MOST_DROPPED = 3
+
+
+def _dropped(found: Sequence[Dropped]) -> Iterator[str]:
+    """What was dropped, a line for each reason: a sum that must hold may have a hundred orders of a rule give way."""
+    alike: dict[tuple[str, str], list[str]] = {}
+    for dropped in found:
+        named = "" if dropped.relaxed else " before ".join(dropped.contours)
+        alike.setdefault((dropped.rule, dropped.why), []).append(named)
+    for (rule, why), orders in alike.items():
+        if not orders[0]:
+            yield f"{rule}, {why}"
+        elif len(orders) == 1:
+            yield f"dropped: {orders[0]} ({rule}), {why}"
+        else:
+            yield f"dropped: {len(orders)} orders of {rule}, {join_names(orders, MOST_DROPPED)}; {why}"

@@ -14,7 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise import InputError, read_plan
-from kerfwise.jobs.display import proof_of
+from kerfwise.jobs.display import proof_of, summary_lines
+from kerfwise.models.plan.plan import Dropped
 from kerfwise.tests.postproc.plans import good_cuts, plan_of, plate, profile
 from kerfwise.tests.tools.amount import examples
 
@@ -145,3 +146,15 @@ def test_what_is_proven_is_said_of_excuses_and_of_the_rest(excuses: int, bound: 
     made = plan_of(PLATE, good_cuts(PLATE), profile())
     solve = replace(made.solve, objective=1_010_000.0, bound=bound, gap=1 - bound / 1_010_000.0, excuses=excuses)
     assert proof_of(replace(made, solve=replace(solve, status="feasible"))) == said
+
+
+def test_orders_that_are_dropped_for_one_reason_are_one_line() -> None:
+    orders = [Dropped("level-ahead", (f"P{k}.outer", "Q.outer"), "sum: own:rush") for k in range(1, 87)]
+    others = [Dropped("hull-before", ("A.outer", "B.outer"), "cycle: …"), Dropped("no-tip-travel", (), "not priced: …")]
+    lines = summary_lines(replace(plan_of(PLATE, good_cuts(PLATE), profile()), dropped=(*orders, *others)))
+    assert lines[-3:] == [
+        "dropped: 86 orders of level-ahead, P1.outer before Q.outer, P2.outer before Q.outer, P3.outer before "
+        "Q.outer and 83 more; sum: own:rush",
+        "dropped: A.outer before B.outer (hull-before), cycle: …",
+        "no-tip-travel, not priced: …",
+    ]
