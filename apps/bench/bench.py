@@ -17,20 +17,6 @@ from kerfwise.encoder.files import read_limited
 from kerfwise.models.engines import Engine
 from kerfwise.models.engines.tuning import MEMORY_GB
 
-__all__ = [
-    "BenchJob",
-    "BenchResult",
-    "BestKnown",
-    "gap_to",
-    "head",
-    "line",
-    "measure",
-    "read_best_known",
-    "results_as_json",
-    "results_in_all",
-]
-
-
 # Runs one engine on one file in a process of its own, so that its memory can be told from that of others.
 
 

@@ -10,7 +10,6 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import asdict, replace
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -143,17 +142,6 @@ def _square(part: str, kind: Kind, corner_mm: Point, side_mm: float) -> Contour:
     return Contour(f"{part}.{kind}", part, kind, Curve.of(corners))
 
 
-class _Outcome(NamedTuple):
-    instance: str
-    cost: float | None
-    bound: float | None
-    proven: bool
-    fault: str
-    tour: tuple[int | str, ...]
-    seconds: float
-    processor_s: float
-
-
 class _Stopwatch:
     """Seconds by the clock, and of processor in all threads, since it was made."""
 
@@ -169,20 +157,14 @@ def run_in_child(job: BenchJob) -> BenchResult:
     options = SolveOptions(
         seed=job.seed, work=job.work, time_s=job.time_s, member=member_of(job.engine), memory_gb=job.memory_gb
     )
-    outcome = _route(job, options) if is_instance(job.path) else _nest(job)
-    return BenchResult(
-        instance=outcome.instance,
-        engine=job.engine,
-        cost=outcome.cost,
-        bound=outcome.bound,
-        proven=outcome.proven,
-        feasible=outcome.cost is not None and not outcome.fault,
-        seconds=round(outcome.seconds, 3),
-        memory_mb=round(peak_mb(), 1),
-        tour=outcome.tour,
-        fault=outcome.fault,
-        processor_s=round(outcome.processor_s, 3),
-    )
+    name, cost, bound, proven, fault, tour, taken = _route(job, options) if is_instance(job.path) else _nest(job)
+    seconds, processor_s = (round(s, 3) for s in taken)
+    feasible, memory_mb = cost is not None and not fault, round(peak_mb(), 1)
+    return BenchResult(name, job.engine, cost, bound, proven, feasible, seconds, memory_mb, tour, fault, processor_s)
+
+
+_Outcome = tuple[str, float | None, float | None, bool, str, tuple[int | str, ...], tuple[float, float]]
+"""Name, cost, bound, whether it is proven, fault, tour, and seconds by the clock and of processor."""
 
 
 def _route(job: BenchJob, options: SolveOptions) -> _Outcome:
@@ -196,11 +178,11 @@ def _route(job: BenchJob, options: SolveOptions) -> _Outcome:
     taken = spent.read()
     if answer.cost is None:
         fault = "no tour keeps the orders" if answer.infeasible else "no tour was found"
-        return _Outcome(instance.name, None, answer.bound, answer.proven, fault, (), *taken)
+        return instance.name, None, answer.bound, answer.proven, fault, (), taken
     cost, fault = judge_tour(instance, answer.tour)
     if not fault and cost != answer.cost:
         fault = f"the engine says the tour costs {answer.cost}"
-    return _Outcome(instance.name, cost, answer.bound, answer.proven, fault, answer.tour, *taken)
+    return instance.name, cost, answer.bound, answer.proven, fault, answer.tour, taken
 
 
 @cache
@@ -238,13 +220,13 @@ def _nest(job: BenchJob) -> _Outcome:
     try:
         verified = solve_and_verify(make_request(facts_of(nest, profile), profile), profile, limits)
     except RulesConflict as conflict:
-        return _Outcome(Path(job.path).stem, None, None, False, conflict.message, (), *spent.read())
+        return Path(job.path).stem, None, None, False, conflict.message, (), spent.read()
     taken = spent.read()
     solve = verified.plan.solve
     fault = "" if verified.verdict.ok else "the check finds hard rules broken"
     tour = tuple(planned.cut.contour for planned in verified.plan.cuts)
     proven = solve.status == "optimal"
-    return _Outcome(Path(job.path).stem, solve.objective, solve.bound, proven, fault, tour, *taken)
+    return Path(job.path).stem, solve.objective, solve.bound, proven, fault, tour, taken
 
 
 if __name__ == "__main__":
