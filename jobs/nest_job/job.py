@@ -18,7 +18,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, read_named, utf8_text
 from kerfwise.encoder.questions import Answers
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.kind import AnswerPairs, Number, OptionKind, Text, Unfit, scalar_text
+from kerfwise.rules.options.kind import AnswerPairs, Number, OptionKind, Text, Unfit, noting, scalar_text
 from kerfwise.rules.options.option import options_of, setting
 from kerfwise.rules.options.quantities import OrWord, PointOrOff, PointXY
 from kerfwise.rules.options.yaml_positions import Place, Problems, compose, entries, is_empty, items, with_value
@@ -199,10 +199,8 @@ def _tabs(node: yaml.Node, problems: Problems) -> Iterator[Lock]:
     for name, key_node, value in entries(node, problems, TABS):
         several = isinstance(value, yaml.SequenceNode) and any(isinstance(v, yaml.SequenceNode) for v in value.value)
         for one in value.value if several else (value,):
-            try:
+            with noting(problems, one, f"{TABS}.{name}"):
                 yield Lock(contour=name, tab=PointOrOff().read(one), place=problems.place(key_node))  # type: ignore[arg-type]
-            except Unfit as error:
-                problems.add(error.node or one, f"{TABS}.{name}: {error}")
 
 
 # Where the job file of a nest is looked for: beside it, under its name.

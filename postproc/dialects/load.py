@@ -16,7 +16,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited, utf8_text
 from kerfwise.encoder.nearest_name import unknown
 from kerfwise.encoder.nest import Nest
-from kerfwise.rules.options.kind import Unfit
+from kerfwise.rules.options.kind import noting
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.yaml_positions import (
     Problems,
@@ -107,10 +107,8 @@ def parse_dialect(text: str, file: str) -> Dialect:
         if key not in known:
             problems.add(key_node, unknown("key", key, known))
             continue
-        try:
+        with noting(problems, node, key):
             values[known[key].name] = known[key].kind.read(node)
-        except Unfit as error:
-            problems.add(error.node or node, f"{key}: {error}")
     problems.raise_any()
     needed = [one for one in known.values() if one.default is dataclasses.MISSING]
     if missing := [one.key for one in needed if one.name not in values]:

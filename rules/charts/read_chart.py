@@ -16,7 +16,7 @@ from kerfwise.encoder.bevels.bevel import LEAST_DEG, MOST_DEG
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, read_limited
 from kerfwise.encoder.nearest_name import unknown
-from kerfwise.rules.options.kind import Number, Text, Unfit
+from kerfwise.rules.options.kind import Number, Text, Unfit, noting
 from kerfwise.rules.options.yaml_positions import Problems, compose, entries, is_empty, items
 
 from .chart import COLUMNS, Chart, ChartRow, Value, column_of, known_column
@@ -193,11 +193,9 @@ def yaml_rows(text: str, problems: Problems) -> list[ChartRow]:
             elif name in values:
                 problems.add(key, f"the column {name} is there twice")
             elif not is_empty(value):
-                try:
+                with noting(problems, value, name):
                     values[name] = cell(name, value)
                     lines[name] = value.start_mark.line + 1
-                except Unfit as error:
-                    problems.add(error.node or value, f"{name}: {error}")
         called = values.get("name")
         names = (called,) if isinstance(called, str) else ()
         rows.append(ChartRow(node.start_mark.line + 1, values, names, lines))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,6 +34,15 @@ class Unfit(ValueError):
         self.node = node
 
 
+@contextmanager
+def noting(problems: Problems, node: yaml.Node, what: str) -> Iterator[None]:
+    """Note a value that does not fit, and go on without it."""
+    try:
+        yield
+    except Unfit as error:
+        problems.add(error.node or node, f"{what}: {error}")
+
+
 class OptionKind(ABC):
     """One kind of value."""
 
@@ -41,11 +52,9 @@ class OptionKind(ABC):
 
     def read_or_note(self, node: yaml.Node, problems: Problems, what: str) -> Any:
         """The same; None with a problem noted where the value does not fit."""
-        try:
+        with noting(problems, node, what):
             return self.read(node)
-        except Unfit as error:
-            problems.add(error.node or node, f"{what}: {error}")
-            return None
+        return None
 
     @abstractmethod
     def write(self, value: Any) -> str:

@@ -18,7 +18,7 @@ from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.expression.node import Gate
 from kerfwise.rules.expression.over_cuts import breaches, sums_of_ids
 from kerfwise.rules.expression.to_statements import statement_of
-from kerfwise.rules.options.kind import Choice, OptionKind, Text, Unfit
+from kerfwise.rules.options.kind import Choice, OptionKind, Text, noting
 from kerfwise.rules.options.quantities import LENGTH, WEIGHT
 from kerfwise.rules.options.yaml_positions import Place as FilePlace
 from kerfwise.rules.options.yaml_positions import Problems, entries, items
@@ -283,10 +283,8 @@ def with_parameters(
             text = unknown("parameter", key, list(kinds)) if kinds else f"{rule.file} declares no parameter"
             problems.add(key_node, f"{what}.parameters: {text}")
             continue
-        try:
+        with noting(problems, value, f"{what}.parameters.{key}"):
             values[key] = kinds[key].read(value)
-        except Unfit as error:
-            problems.add(error.node or value, f"{what}.parameters.{key}: {error}")
     return rule.with_parameters(values)
 
 

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 import yaml
 
 from kerfwise.encoder.nearest_name import unknown
-from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text, Unfit
+from kerfwise.rules.options.kind import Choice, Flag, Number, OptionKind, Text, Unfit, noting
 from kerfwise.rules.options.quantities import DURATION, LENGTH
 from kerfwise.rules.options.yaml_positions import Problems, entries, is_empty, shape
 
@@ -285,11 +285,9 @@ class Scalar:
     kind: OptionKind | ValueKind
 
     def read(self, node: yaml.Node, problems: Problems, what: str) -> Any:
-        try:
+        with noting(problems, node, what):
             return self.kind.read(node)
-        except Unfit as error:
-            problems.add(error.node or node, f"{what}: {error}")
-            return None
+        return None
 
     def plain(self, value: Any) -> object:
         if isinstance(self.kind, ValueKind):

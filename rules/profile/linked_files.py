@@ -16,7 +16,7 @@ from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.files import expect_readable, is_file
 from kerfwise.rules.charts import Found, LookedUp, NoRow, look_up, read_chart, shipped_charts
 from kerfwise.rules.charts.chart import COLUMNS, Column, column_of, family_of, same_value, value_text
-from kerfwise.rules.options.kind import Text, Unfit
+from kerfwise.rules.options.kind import Text, noting
 from kerfwise.rules.options.option import options_of
 from kerfwise.rules.options.yaml_positions import Place, Problems, deepest, items, wrong_at
 from kerfwise.rules.outside import PythonFile, is_trusted, refusal, rules_in_file
@@ -37,10 +37,8 @@ GivenFiles = dict[str, Any]
 def names_of_files(node: yaml.Node, key: str, problems: Problems) -> Iterator[tuple[str, yaml.Node]]:
     """Every name under a key, one alone or a list of them, and where it stands."""
     for entry in [node] if isinstance(node, yaml.ScalarNode) and node.value else items(node, problems, key):
-        try:
+        with noting(problems, entry, key):
             yield Text().read(entry), entry
-        except Unfit as error:
-            problems.add(entry, f"{key}: {error}")
 
 
 WHAT = "rules in MiniZinc files beside the profile, such as plant/*.mzn; one named as a shipped rule takes its place"

@@ -19,7 +19,7 @@ from kerfwise.encoder.escape import escape_text
 from kerfwise.encoder.files import MOST_BYTES_OF_YAML, is_file, is_there, read_limited, utf8_text
 from kerfwise.encoder.nearest_name import nearest, unknown
 from kerfwise.rules.lock import Lock
-from kerfwise.rules.options.kind import Choice, OptionKind, Text, Unfit
+from kerfwise.rules.options.kind import Choice, OptionKind, Text, noting
 from kerfwise.rules.options.option import Members, options_of
 from kerfwise.rules.options.quantities import WEIGHT
 from kerfwise.rules.options.yaml_positions import Problems, compose, entries, is_empty, items
@@ -332,10 +332,8 @@ def read_fields(
             group = read_fields(inner, old, problems, f"{what}.{key}", elsewhere=elsewhere)
             values[options[key].name] = named_in_group(group, [name for name, _, _ in inner])
             continue
-        try:
+        with noting(problems, value, f"{what}.{key}"):
             values[options[key].name] = options[key].kind.read(value)
-        except Unfit as error:
-            problems.add(error.node or value, f"{what}.{key}: {error}")
     return dataclasses.replace(base, **values)
 
 
