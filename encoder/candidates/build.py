@@ -31,19 +31,13 @@ from .older_kerfs import OlderKerfs, older_kerfs, resolve_lead_conflicts
 from .tab_places import TabPlaces
 
 
-def build_candidates(
-    nest: Nest, options: LeadOptions, already: AlreadyCut = NOTHING_CUT, loose: Collection[str] = ()
-) -> tuple[Candidate, ...]:
+def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
     """The ways to cut each contour: entries well spread around it, each in every direction allowed.
 
     A pierce lies in waste and keeps clear of every contour and of the sheet's edges (Petunin 2009, section 2); the kerf
     of a lead touches no contour but its own. Leads keep out of the way of those of other contours, as far as streets
     have room for both, since what is burnt before is void. Where the options allow it, the sheet's outline is stated
     and the machine is known to reach there, edge starts come in from outside that edge besides and pierce nothing.
-
-    Of what is `already` cut there are none, nor of what is `loose`; the others pierce, and lead, where there is still
-    metal. A cut that broke off is pierced anew beside its old kerf; where there is no room for that, as in a small
-    hole, it begins where it began.
 
     Returns
     -------
@@ -61,13 +55,18 @@ def build_candidates(
     >>> [(c.entry, c.direction) for c in found][:3]
     [((50.0, 50.0), 'cw'), ((50.0, 50.0), 'ccw'), ((90.0, 50.0), 'cw')]
     """
-    return build_with_older_kerfs(nest, options, already, loose)[0]
+    return build_with_older_kerfs(nest, options)[0]
 
 
 def build_with_older_kerfs(
     nest: Nest, options: LeadOptions, already: AlreadyCut = NOTHING_CUT, loose: Collection[str] = ()
 ) -> tuple[tuple[Candidate, ...], OlderKerfs | None]:
-    """The same, and what the candidates meet of cuts made before them; None where the options do not ask for that."""
+    """The same, and what the candidates meet of cuts made before them; None where the options do not ask for that.
+
+    Of what is `already` cut there are none, nor of what is `loose`; the others pierce, and lead, where there is still
+    metal. A cut that broke off is pierced anew beside its old kerf; where there is no room for that, as in a small
+    hole, it begins where it began.
+    """
     return CandidateBuilder(nest, options, already, loose).build()
 
 

@@ -32,10 +32,9 @@ from .solve import solve
 # Random lawful orders: the strategy "random transitions" of Verkhoturov et al.
 
 
-def random_order(problem: Problem, seed: int, first_entry: bool = False) -> tuple[int, ...]:
+def random_order(problem: Problem, seed: int) -> tuple[int, ...]:
     """A lawful route (sites): every step a contour drawn evenly from those that may come next, then one of its sites.
 
-    With `first_entry` each contour takes the first site that is lawful then, so that routes differ by order alone.
     Raises RulesConflict if no attempt led to the end.
     """
     chance = random.Random(seed)
@@ -47,7 +46,7 @@ def random_order(problem: Problem, seed: int, first_entry: bool = False) -> tupl
                 break
             contour = chance.choice(sorted({int(problem.site_contour[s]) for s in options}))
             sites = [s for s in options if problem.site_contour[s] == contour]
-            walk.take(sites[0] if first_entry else chance.choice(sites))
+            walk.take(chance.choice(sites))
         if walk.finished and not broken(problem, walk.route):
             return tuple(walk.route)
     raise RulesConflict(f"no lawful order came of {ATTEMPTS} attempts at random")

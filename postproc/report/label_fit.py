@@ -47,56 +47,33 @@ class TextPlace:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Room:
-    """A text that is to lie inside an area; see `find_room`."""
+    """A text that is to lie inside an area."""
 
     area: shapely.Geometry
+    """Polygons, mm."""
     text: str
     wanted_mm: float
+    """The font size where there is room enough; a smaller one is taken where there is not."""
     near: shapely.Geometry | None = None
+    """What the text should be close to; without it, the middle of the widest spot."""
     bold: bool = False
     above_mm: float = 0.0
+    """Texts that are no larger than this are of no interest; one may be given all the same."""
 
 
-def find_room(
-    area: shapely.Geometry,
-    text: str,
-    wanted_mm: float,
-    near: shapely.Geometry | None = None,
-    bold: bool = False,
-    above_mm: float = 0.0,
-) -> TextPlace | None:
-    """The place for a text inside an area; None if the area is empty, or no text above a font size fits.
+def find_rooms(rooms: Sequence[Room]) -> list[TextPlace | None]:
+    """The place of each text by itself; None if its area is empty, or no text above a font size fits.
 
-    Parameters
-    ----------
-    area
-        Where the text must lie, polygons in mm.
-    text, bold
-        What is written.
-    wanted_mm
-        The font size where there is room enough; a smaller one is taken where there is not.
-    near
-        What the text should be close to; without it, the middle of the widest spot.
-    above_mm
-        Texts that are no larger than this are of no interest; one may be given all the same.
-
-    Notes
-    -----
     The box of the text lies in an ellipse of the same proportions. The area is stretched until that ellipse is a
     circle; where its centre can be is then the area shrunk by the radius, and the largest one is the maximum
     inscribed circle.
 
     Examples
     --------
-    >>> place = find_room(shapely.box(0, 0, 100, 10), "12", 30.0)
+    >>> (place,) = find_rooms([Room(shapely.box(0, 0, 100, 10), "12", 30.0)])
     >>> place.turned, place.size_mm < 15
     (False, True)
     """
-    return find_rooms([Room(area, text, wanted_mm, near, bold, above_mm)])[0]
-
-
-def find_rooms(rooms: Sequence[Room]) -> list[TextPlace | None]:
-    """As `find_room`, of many texts, each by itself."""
     areas = _polygons([room.area for room in rooms])
     rows = np.flatnonzero(~shapely.is_empty(areas))
     level = _Ways.of([rooms[k] for k in rows.tolist()], areas[rows], turned=False)

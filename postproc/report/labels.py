@@ -14,7 +14,7 @@ from kerfwise.encoder.geometry.curve import Curve, lines_of
 from kerfwise.encoder.geometry.segment import Point
 from kerfwise.encoder.nest import Contour, Nest, Part, cached_with_nest
 
-from .label_fit import Room, Shapes, TextPlace, find_room, find_rooms
+from .label_fit import Room, Shapes, TextPlace, find_rooms
 
 _ENOUGH = 0.8  # share of the wanted size with which no better place is looked for
 _FINE = 0.02  # of the wanted size: how far an outline may be simplified
@@ -156,7 +156,7 @@ def _scrap_labels(
     for line in lines:
         band = free.intersection(line.line.buffer(_BESIDE * wanted_mm, quad_segs=4))
         middle = shapely.line_interpolate_point(line.line, 0.5, normalized=True)
-        place = find_room(band, labels[line.id].text, wanted_mm, middle)
+        (place,) = find_rooms([Room(band, labels[line.id].text, wanted_mm, middle)])
         if place is not None:
             places[line.id] = place
             free = free.difference(place.box().buffer(0.12 * place.size_mm, join_style="mitre"))

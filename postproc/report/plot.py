@@ -342,19 +342,14 @@ def plot(nest: Nest, plan: Plan | None, path: str | Path, home: Point = (0.0, 0.
 
 
 def plot_spot(
-    nest: Nest,
-    contours: Iterable[str],
-    path: str | Path,
-    plan: Plan | None = None,
-    caption: str = "",
-    home: Point = (0.0, 0.0),
+    nest: Nest, contours: Iterable[str], path: str | Path, caption: str = "", home: Point = (0.0, 0.0)
 ) -> None:
     """Draw the surroundings of the named contours, large, with these in red: where rules are in conflict, say.
 
-    `nest` and `plan` and `path` and `home`: as for `plot`. `contours`: contour ids, at least one. `caption`: a sentence
+    `nest` and `path` and `home`: as for `plot`. `contours`: contour ids, at least one. `caption`: a sentence
     for the title line. Raises InputError as for `plot`, and if no contour is named or the nest has none of that name.
     """
     named = frozenset(contours)
     if not named:
         raise InputError("no contours to show: name at least one contour id")
-    write_files({Path(path): draw(nest, plan, Path(path).suffix, home, Spot(named, caption))})
+    write_files({Path(path): draw(nest, None, Path(path).suffix, home, Spot(named, caption))})

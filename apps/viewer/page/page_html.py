@@ -36,14 +36,9 @@ class Page(NamedTuple):
     policy: str
 
 
-def page_html(
-    data: Mapping[str, Any],
-    entry: str = "static.js",
-    connect: bool = False,
-    more: Mapping[str, str] = MappingProxyType({}),
-) -> str:
-    """The page of such data, as one HTML file; see `page_and_policy`."""
-    return page_and_policy(data, entry, connect, more).html
+def page_html(data: Mapping[str, Any]) -> str:
+    """The page of such data, as one HTML file that asks no server; see `page_and_policy`."""
+    return page_and_policy(data).html
 
 
 def page_and_policy(
@@ -51,7 +46,6 @@ def page_and_policy(
     entry: str = "static.js",
     connect: bool = False,
     more: Mapping[str, str] = MappingProxyType({}),
-    noscript: str = "",
     said: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Page:
     """The page of such data, as one HTML file, and its policy.
@@ -66,8 +60,6 @@ def page_and_policy(
         Whether the page may ask the server that it came from. Without it every request is forbidden.
     more
         Texts of further modules by name, which `entry` and others may import, and of further style sheets.
-    noscript
-        HTML for browsers without JavaScript; "" for a picture of the data's nest.
     said
         The message catalogues by language; None for those of every page.
     """
@@ -88,7 +80,7 @@ def page_and_policy(
         "@policy": escape(policy),
         "@title": escape(str(data.get("title", "kerfwise"))),
         "@style": style,
-        "@noscript": noscript or _without_script(data),
+        "@noscript": _without_script(data),
         "@texts": as_script_data(page_texts() if said is None else said),
         "@data": as_script_data(data),
         "@script": script,

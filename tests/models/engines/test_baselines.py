@@ -56,13 +56,6 @@ def test_random_orders_are_lawful_and_differ(profile: Profile) -> None:
     assert len(set(routes)) > 10
 
 
-def test_with_the_first_entry_routes_differ_by_order_alone() -> None:
-    problem, _ = posed(PLATE, free())
-    routes = [random_order(problem, seed, first_entry=True) for seed in range(10)]
-    assert len({frozenset(route) for route in routes}) == 1
-    assert len(set(routes)) > 5
-
-
 def test_a_walk_offers_what_the_orders_and_blocks_allow() -> None:
     problem, _ = posed(PLATE, free())
     walk, ids = Walk(problem), problem.ids

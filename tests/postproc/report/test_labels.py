@@ -12,11 +12,15 @@ from hypothesis import strategies as st
 
 from kerfwise import Nest
 from kerfwise.postproc.report import labels
-from kerfwise.postproc.report.label_fit import Room, TextPlace, find_room, find_rooms
+from kerfwise.postproc.report.label_fit import Room, TextPlace, find_rooms
 from kerfwise.postproc.report.labels import Label, place_labels
 from kerfwise.rule_kit import Curve, circle, nest, part, rect
 from kerfwise.rules.case import Rows
 from kerfwise.tests.tools.amount import examples
+
+
+def find_room(*given: Any, **more: Any) -> TextPlace | None:
+    return find_rooms([Room(*given, **more)])[0]
 
 
 def numbered(plate: Nest) -> dict[str, Label]:

@@ -82,7 +82,7 @@ def test_on_failure_the_old_picture_stays(plate: Nest, tmp_path: Path) -> None:
 
 
 def test_a_spot_is_written_too(plate: Nest, tmp_path: Path) -> None:
-    plot_spot(plate, ["A.hole1"], tmp_path / "spot.png", plausible_plan(plate), "here")
+    plot_spot(plate, ["A.hole1"], tmp_path / "spot.png", "here")
     assert matplotlib.image.imread(tmp_path / "spot.png").shape[1] >= 1200
     with pytest.raises(InputError, match=r"no contour 'A\.hole9'"):
         plot_spot(plate, ["A.hole9"], tmp_path / "spot.svg")

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from kerfwise.apps.viewer import page
-from kerfwise.apps.viewer.page.page_html import as_script_data, bundled, page_html
+from kerfwise.apps.viewer.page.page_html import as_script_data, bundled, page_and_policy, page_html
 from kerfwise.encoder.nest import Nest
 from kerfwise.postproc.report import Spot, draw
 from kerfwise.rules.case import nest, part, rect
@@ -121,7 +121,7 @@ def test_the_policy_lets_these_scripts_run_and_no_request_out() -> None:
     for what, kind in (("script-src", "module"), ("style-src", "style")):
         digest = base64.b64encode(hashlib.sha256(read.texts[kind].encode()).digest()).decode()
         assert allowed[what] == [f"'sha256-{digest}'"]
-    assert "connect-src 'self'" in unescape(page_html({}, connect=True))
+    assert "connect-src 'self'" in page_and_policy({}, connect=True).policy
 
 
 def test_the_page_names_no_other_place() -> None:
@@ -147,7 +147,7 @@ def test_every_module_is_in_the_page_once_after_what_it_needs() -> None:
 
 def test_a_page_may_begin_with_a_module_from_elsewhere() -> None:
     more = {"served.js": 'import { start } from "./start.js";\n\nstart(null);\n', "hands.css": ".hand { color: red }"}
-    read = Read(page_html({}, "served.js", more=more))
+    read = Read(page_and_policy({}, "served.js", more=more).html)
     assert read.texts["module"].endswith("// served.js\n\nstart(null);\n")
     assert "function start(" in read.texts["module"]
     assert read.texts["style"].endswith(".hand { color: red }")
