@@ -21,7 +21,7 @@ from kerfwise.models.problem.conditions import Condition
 from kerfwise.models.problem.evaluate import broken, route_cost
 from kerfwise.models.problem.problem import Problem, SoftGroup
 from kerfwise.models.problem.simplify import without_wishes
-from kerfwise.rules.statements import AtLeast, Lag, Pick
+from kerfwise.rules.statements import AtLeast, Lag, Move, Pick
 from kerfwise.tests.models.brute import cheapest
 from kerfwise.tests.models.problems import ABOUT, problem, scattered
 from kerfwise.tests.tools.amount import few
@@ -50,6 +50,13 @@ def test_a_forced_member_is_the_only_one_that_speaks() -> None:
     assert [note.split(":")[0] for note in found(six, "ideals").notes] == ["ideals"]
     assert found(six, "search").notes == ["search: asked for"]
     assert found(six, "search").proved_by == ""
+
+
+def test_a_search_that_bans_on_moves_leave_no_route_ends_without_one() -> None:
+    """It bred from the best of what it had found, and found nothing: it ended with an IndexError."""
+    never = [Move((0,), (1,), ABOUT), Move((1,), (0,), ABOUT)]
+    known = found(problem([[(10.0, 0.0)], [(20.0, 0.0)]], moves=never), "search", work=0.05)
+    assert known.incumbent is None
 
 
 def test_a_sweep_of_all_sets_at_once_asks_for_no_bound_first(monkeypatch: pytest.MonkeyPatch) -> None:

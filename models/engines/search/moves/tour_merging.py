@@ -60,6 +60,10 @@ class TourMerging:
         if now is not None:
             anneal(chunk, now[1])
             return chunk
+        if not self._pool.members:  # bans on moves have left no lawful route so far
+            anneal(chunk, part)
+            self._take_in(at)
+            return chunk
         return self._merge(threads, most)
 
     def _take_in(self, at: tuple[int, int]) -> None:
