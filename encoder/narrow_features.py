@@ -106,24 +106,6 @@ def lost_features_sentence(
     return f"{name}: a kerf of {kerf_mm:g} mm does not enter {text}{more}; {what_to_do}"
 
 
-def lost_features(
-    contours: Sequence[Contour], kerf_mm: float, paths: Mapping[str, Curve] | None = None
-) -> dict[str, tuple[LostFeatureSpan, ...]]:
-    """Contour id → the features of it that a kerf would lose; contours that lose none are left out.
-
-    `paths` are the paths of the torch's centre, by contour id. Where a contour has none, the largest ring that lies
-    half a kerf in its waste stands in for it; a contour that the kerf leaves no such ring of is left out.
-
-    Examples
-    --------
-    >>> slot = [(0, 0), (60, 0), (60, 30), (31, 30), (31, 10), (30, 10), (30, 30), (0, 30)]
-    >>> lost_features([Contour("P.outer", "P", "outer", Curve.of(slot))], 1.5)["P.outer"][0].sentence()
-    'the slot, notch or neck at (30.5, 30.0), 1.00 mm wide and 20.0 mm deep'
-    """
-    walls = lost_walls(contours, kerf_mm, paths)
-    return {name: tuple(one for one, _ in of) for name, of in walls.items()}
-
-
 def lost_walls(
     contours: Sequence[Contour],
     kerf_mm: float,

@@ -249,11 +249,6 @@ class OrderRule(Rule[OptionsT]):
         ]
 
 
-def order_sentence(rule: OrderRule[Any], before: str, after: str, start_side: Side | None) -> str:
-    """What a statement of an order rule says of two contours."""
-    return _order(before, after, rule.reason(before, after, start_side))
-
-
 def _order(before: str, after: str, reason: str) -> str:
     return f"{before} is cut before {after}: {reason}"
 

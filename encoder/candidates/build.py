@@ -58,20 +58,18 @@ def build_candidates(nest: Nest, options: LeadOptions) -> tuple[Candidate, ...]:
     return build_with_older_kerfs(nest, options)[0]
 
 
-def build_with_older_kerfs(
-    nest: Nest, options: LeadOptions, already: AlreadyCut = NOTHING_CUT, loose: Collection[str] = ()
-) -> tuple[tuple[Candidate, ...], OlderKerfs | None]:
-    """The same, and what the candidates meet of cuts made before them; None where the options do not ask for that.
+def build_with_older_kerfs(nest: Nest, options: LeadOptions) -> tuple[tuple[Candidate, ...], OlderKerfs | None]:
+    """The same, and what the candidates meet of cuts made before them; None where the options do not ask for that."""
+    return CandidateBuilder(nest, options).build()
+
+
+class CandidateBuilder:
+    """The same of one nest, whichever of its contours are cut along stretches: leads are looked for once for all.
 
     Of what is `already` cut there are none, nor of what is `loose`; the others pierce, and lead, where there is still
     metal. A cut that broke off is pierced anew beside its old kerf; where there is no room for that, as in a small
     hole, it begins where it began.
     """
-    return CandidateBuilder(nest, options, already, loose).build()
-
-
-class CandidateBuilder:
-    """The same of one nest, whichever of its contours are cut along stretches: leads are looked for once for all."""
 
     def __init__(
         self, nest: Nest, options: LeadOptions, already: AlreadyCut = NOTHING_CUT, loose: Collection[str] = ()

@@ -14,7 +14,7 @@ import numpy as np
 
 from kerfwise import InputError, Profile, RulesConflict
 from kerfwise.encoder.already_cut import AlreadyCut
-from kerfwise.encoder.candidates import build_with_older_kerfs
+from kerfwise.encoder.candidates import CandidateBuilder
 from kerfwise.encoder.facts import compute_facts
 from kerfwise.encoder.facts.compute import loose_in, remaining_facts
 from kerfwise.jobs.request import options_for
@@ -97,7 +97,7 @@ def stopped_case(seed: int) -> Case | None:
     already = AlreadyCut(cuts)
     loose = loose_in(nest, already.contours)
     try:
-        candidates, _ = build_with_older_kerfs(nest, lead_options(profile, seed), already, loose)
+        candidates, _ = CandidateBuilder(nest, lead_options(profile, seed), already, loose).build()
     except InputError:
         return None
     left = WAYS[whole.facts.n - upto]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 
+from kerfwise.encoder.narrow_features import LostFeatureSpan, lost_walls
 from kerfwise.rule_kit import Contour, Curve, Kind, circle
 from kerfwise.rules.case import Rows
 
@@ -120,3 +122,10 @@ SHARP = {f"corner of {a}°": (corner(a), a) for a in (20, 30, 40, 50, 57)} | {
     f"notch of {a}°": (notch(a, m), a) for a, m in ((20, 5.0), (30, 1.0), (45, 5.0))
 }
 """Corners sharper than those a kerf can be used for, with their angles."""
+
+
+def lost_features(
+    contours: Sequence[Contour], kerf_mm: float, paths: Mapping[str, Curve] | None = None
+) -> dict[str, tuple[LostFeatureSpan, ...]]:
+    """The features that a kerf would lose of each contour that loses some, by its id, without what is left of them."""
+    return {name: tuple(one for one, _ in of) for name, of in lost_walls(contours, kerf_mm, paths).items()}

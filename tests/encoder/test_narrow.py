@@ -12,11 +12,11 @@ from kerfwise.encoder import narrow_features
 from kerfwise.encoder.candidates import LeadOptions, build_candidates, lead_search
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.narrow_features import MOST_TOLD, Narrow, lost_features, lost_walls
+from kerfwise.encoder.narrow_features import MOST_TOLD, Narrow, lost_walls
 from kerfwise.encoder.nest import Contour, Nest, Part, Sheet
 from kerfwise.encoder.questions import Questions
 from kerfwise.rules.case import nest, part, rect
-from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, comb, corner, slot
+from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, comb, corner, lost_features, slot
 
 
 @pytest.mark.parametrize("shape", FITS)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.narrow_features import lost_features, lost_walls
+from kerfwise.encoder.narrow_features import lost_walls
 from kerfwise.encoder.nest import Contour
 from kerfwise.encoder.slits import blocked_slits, narrow_because, slits_of, with_slits
 from kerfwise.rules.case import nest, part
@@ -20,6 +20,7 @@ from kerfwise.tests.encoder.narrow_shapes import (
     KERF_MM,
     comb,
     contour,
+    lost_features,
     neck,
     plate,
     pocket,

@@ -11,11 +11,11 @@ from hypothesis import assume, given
 
 from kerfwise.encoder.candidates import Candidate, LeadOptions, build_candidates
 from kerfwise.encoder.errors import InputError
-from kerfwise.encoder.narrow_features import lost_features
 from kerfwise.encoder.nest import Nest
 from kerfwise.encoder.torch_path import compensated
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.tests.encoder.candidates.lead_nests import lead_nests, lead_options
+from kerfwise.tests.encoder.narrow_shapes import lost_features
 from kerfwise.tests.tools.amount import examples
 
 CHORD_MM = 0.001

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from kerfwise.encoder.cut import CutSequence
 from kerfwise.encoder.errors import InputError
 from kerfwise.encoder.geometry.curve import Curve
-from kerfwise.encoder.narrow_features import lost_features
 from kerfwise.encoder.nest import Contour
 from kerfwise.encoder.torch_path import compensated
 from kerfwise.postproc.check import check_cuts
@@ -20,7 +19,7 @@ from kerfwise.postproc.check.features_kept import Allowed, Uncut, features_lost
 from kerfwise.postproc.check.torch_run import TorchRun, torch_rings
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.judging.violation import Violation
-from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, contour, slot
+from kerfwise.tests.encoder.narrow_shapes import FITS, KERF_MM, LOST, SHARP, contour, lost_features, slot
 from kerfwise.tests.postproc.plans import cut_of, profile
 from kerfwise.tests.tools.amount import examples
 
