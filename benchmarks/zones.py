@@ -92,12 +92,12 @@ is come to from. By that alone the best way in would be believed at each border,
 before ends there. Zone after zone, each from where the last one ended, then gives a plan that may be near the bound; a
 sweep of all zones up to the best plan known is the proof.
 
-The proof has three quarters of the work where a plant gives a number: without backward sweeps it had less, and so where
-it fails, the plan may be longer than one that a search with more work finds. What is needed for zones of 50 and 60 are
-higher bounds of single zones. On 309 contours, seed 1, zones of 40, the programs of eight zones were 0.1 to 1.6 % below
-the best way through them, with four times the work 0 to 0.3 %, and 1.4 % in one; zones of 50 of the same plate: sweeps
-of two of the six ended with their work before they had found any way through. Walks that remember seven neighbours in
-place of three add next to nothing. (By scripts that are not in the repository.)
+The proof has three quarters of the work where a plant gives a number, and where it fails, the plan may be longer than
+one that a search with more work finds. What is needed for zones of 50 and 60 are higher bounds of single zones. On 309
+contours, seed 1, zones of 40, the programs of eight zones were 0.1 to 1.6 % below the best way through them, with four
+times the work 0 to 0.3 %, and 1.4 % in one; zones of 50 of the same plate: sweeps of two of the six ended with their
+work before they had found any way through. Walks that remember seven neighbours in place of three add next to nothing.
+(By scripts that are not in the repository.)
 
 ## Many plates
 
@@ -129,7 +129,8 @@ proven or not; where it is not proven, the plan says what is proven within other
 Looks for a plan without zones, and tries along it, come in rungs of 0.1, 0.3, 1, 3, 10, 30 … of work: up to each rung
 all is done as under every larger limit, each look from nothing by other random numbers, and the best of all looks is
 kept. So more work brings no dearer plan, where the plan without zones pays for all that the other pays for (up to 150
-contours). Up to 60 contours a plan by the zones of geometry comes before all this; it is mostly proven at once.
+contours). Where it does not, zones are tried that break it less than those proven before, and by no more than 10 % of
+the best plan. Up to 60 contours geometry's own zones come before all this; they are mostly proven at once.
 
 Beyond {few} contours the plan by the zones of geometry is proven within a small part of the work, and other zones are
 proven about as fast. So the look without zones has what these two leave: from the plan with zones on, a large nest is

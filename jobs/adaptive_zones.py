@@ -18,8 +18,10 @@ from kerfwise.models.engines.tuning import UNZONED_LEAST as LEAST
 from kerfwise.models.engines.tuning import UNZONED_MOST_MOVES as MOST_MOVES
 from kerfwise.models.engines.tuning import UNZONED_SHARE as SHARE
 from kerfwise.models.engines.tuning import UNZONED_STATED as STATED
+from kerfwise.models.engines.tuning import UNZONED_UNPROVEN as UNPROVEN
 from kerfwise.models.engines.tuning import ZONES_A_TRY as A_TRY
 from kerfwise.models.engines.tuning import ZONES_FIRST as FIRST
+from kerfwise.models.engines.tuning import ZONES_GAIN as GAIN
 from kerfwise.models.engines.tuning import ZONES_GEOMETRY as GEOMETRY
 from kerfwise.models.engines.tuning import ZONES_LEAST_S as LEAST_S
 from kerfwise.models.engines.tuning import ZONES_RUNGS as RUNGS
@@ -29,7 +31,7 @@ from kerfwise.models.engines.tuning import ZONES_TRIES as TRIES
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.statements import Statement
+from kerfwise.rules.statements import EXEMPTION_MM, Statement, by_kind
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 
@@ -41,6 +43,7 @@ from .plan_without_zones import (
     paying_for_crossings,
     restated,
     searched,
+    sorted_mm,
     without_zones,
     zones_cost,
 )
@@ -184,6 +187,7 @@ def plan_by_rungs(
     times = TIMES if solution is None else TIMES / 2  # that has taken some of it
     one = replace(asked.facts, zone=asked.facts.zone.clip(max=1))
     unzoned = None if is_relaxed(asked) else restated(one, profile, asked.stated)
+    unpriced = contours > MOST_MOVES and bool(by_kind(asked.stated.statements).crossing)
     told_mm = inf if solution is None else solution.objective
 
     def hear(by: Request, better: Solution) -> None:
@@ -193,10 +197,11 @@ def plan_by_rungs(
             found(by, better)
 
     for number, rung in enumerate(rungs(contours, whole, first)):
-        known = free
+        known, proves = free, rung * PROOF_CONTOURS >= contours
         if unzoned is None:
             break
-        if (part := within(min(share * rung, max(LEAST, A_CONTOUR * contours)))) is not None:
+        looked = UNPROVEN if unpriced and rung == whole and not (proves or timed) else share
+        if (part := within(min(looked * rung, max(LEAST, A_CONTOUR * contours)))) is not None:
             if free is not None:
                 start = () if contours <= MOST_MOVES else free.solution.route
             part = replace(part, seed=part.seed + number * SEEDS_APART)
@@ -207,7 +212,7 @@ def plan_by_rungs(
         if free is None:
             break
         in_vain = in_vain + 1 if known is not None and free.solution.route == known.solution.route else 0
-        best, proves = _cheapest(tried), rung * PROOF_CONTOURS >= contours
+        best = _cheapest(tried)
         settled = best is not None and best[1].status == "optimal"
         if in_vain >= IN_VAIN and settled:
             break
@@ -215,14 +220,22 @@ def plan_by_rungs(
             continue
 
         def left(
-            taken: float, rung: float = rung, proves: bool = proves, aside: bool = bool(free.aside)
+            taken: float,
+            rung: float = rung,
+            proves: bool = proves,
+            aside: bool = bool(free.aside),
+            before: float = spent,
         ) -> SolveOptions | None:
             if not proves and not aside:
                 return replace(limits, work=LEAST_S, time_s=LEAST_S if timed else None)
-            return within(began_s + rung - running_s() if timed else times * rung - taken)
+            rest = began_s + rung - running_s() if timed else times * rung - taken
+            return None if unpriced and taken > before and rest < contours / RUNG_CONTOURS else within(rest)
 
         account = Account(spent, left)
-        tried += plans_along(asked, profile, free, account, limits, progress, prove=proves or bool(free.aside))
+        known_mm = inf if best is None else best[1].objective
+        tried += plans_along(
+            asked, profile, free, account, limits, progress, prove=proves or bool(free.aside), known_mm=known_mm
+        )
         spent, best = account.spent, _cheapest(tried)
         if best is not None:
             hear(*best)
@@ -286,22 +299,28 @@ def plans_along(
     progress: Progress | None = None,
     *,
     prove: bool = True,
+    known_mm: float = inf,
 ) -> Iterator[tuple[Request, Solution]]:
     """Plans by zones along another plan.
 
     Zones that do what zones are for come first, until a plan is proven and no dearer than the other; then, where all
     are dearer, zones of any shape, and then a single one. The zones are as large as a proof bears, so a proof alone is
     tried; where it fails, by smaller ones. `account` is told what every try takes. Without `prove` any plan will do
-    that is no dearer.
+    that is no dearer. Where that plan does not pay for its moves, zones are passed over that break it too much for a
+    plan cheaper than one of `known_mm`, and those that break it no less than others which were proven.
     """
     facts, unproven, tries, dear = request.facts, 0, 0, True
     stated = request.stated if facts.n > FEW else None  # what is stated twice would take up memory
     order = [facts.candidates[c].contour for c in free.solution.route]
     shaped, seen = zones_along(facts, order), list[list[int]]()
+    unpriced, most_mm = bool(free.aside) and facts.n <= FEW, (1.0 + GAIN) * known_mm if known_mm < EXEMPTION_MM else inf
     while tries < TRIES and account.left() is not None and (zone := next(shaped, None)) is not None:
         if int(zone.max()) <= unproven:  # as large as zones of which a proof took too long
             continue
         tries += 1
+        broken_mm = sorted_mm(request, free, zone) if unpriced else 0.0
+        if broken_mm >= most_mm:
+            continue
         if (left := account.left()) is None:
             break
         if tries < TRIES:
@@ -311,11 +330,15 @@ def plans_along(
         for plan in _tried(replace(facts, zone=zone), profile, free, left, progress, account, stated):
             yield plan
             dear = dear and free.dearer(*plan, limits)
-            unproven = 0 if plan[1].status == "optimal" else unproven
+            if plan[1].status == "optimal":
+                unproven = 0
+                most_mm = min(most_mm, broken_mm) if unpriced and plan[1].objective < EXEMPTION_MM else most_mm
         if not dear and not (prove and unproven):
             return
     any_zones = (zone for zone in zones_along(facts, order, any_shape=True) if zone.tolist() not in seen)
     if dear and (left := account.left()) is not None and (zone := next(any_zones, None)) is not None:
+        if unpriced and sorted_mm(request, free, zone) >= most_mm:
+            return
         for plan in _tried(replace(facts, zone=zone), profile, free, left, progress, account, stated):
             yield plan
             dear = dear and free.dearer(*plan, limits)

@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Self
 
+import numpy as np
+
+from kerfwise.arrays import Ints
 from kerfwise.encoder.errors import RulesConflict
 from kerfwise.encoder.facts.facts import Facts
 from kerfwise.encoder.geometry.tolerances import UM_PER_MM
@@ -209,6 +212,20 @@ def paying_for_crossings(request: Request, solution: Solution) -> Solution:
     objective = solution.objective + unpriced_crossings(problem, crossing, sites) / UM_PER_MM
     proven = solution.bound is not None and solution.bound >= objective
     return replace(solution, objective=objective, left_out=(), status="optimal" if proven else "feasible")
+
+
+def sorted_mm(request: Request, free: Free, zone: Ints) -> float:
+    """What a plan that does not pay for what its moves cross costs, moves included, with zones (n,) one by one, mm.
+
+    Each zone keeps the order that it has in the plan. What else is asked costs as much as there; excuses do not count.
+    """
+    problem = free.solution.problem
+    assert problem is not None
+    route = problem.candidate_site[list(free.solution.route)]
+    sites = route[np.argsort(zone[problem.site_contour[route]], kind="stable")]
+    before, now = (problem.legs(np.append(problem.m, on), np.append(on, problem.m)).sum() for on in (route, sites))
+    crossed = unpriced_crossings(problem, by_kind(request.stated.statements).crossing, sites.tolist())
+    return free.solution.objective % EXEMPTION_MM + float(now - before + crossed) / UM_PER_MM
 
 
 def bans_crossings(statements: Sequence[Statement]) -> bool:

@@ -23,6 +23,7 @@ from kerfwise.models.engines.solution import Solution, SolveOptions, Status
 from kerfwise.models.engines.solve import solve
 from kerfwise.rules.case import nest, part, rect
 from kerfwise.rules.profile.load import load_profile
+from kerfwise.rules.statements import EXEMPTION_MM
 
 MORE = [(32, 115), (43, 115), (2, 60), (5, 41)]
 """Seeds and contours of plates for a longer run."""
@@ -175,3 +176,38 @@ def test_a_plan_that_does_not_pay_for_its_moves_over_parts_is_no_cheaper_for_it(
     best = adaptive_zones._best([(asked, bare), (asked, paying)], free)
     assert (paying.status, best.solution, best.proven_elsewhere) == ("optimal", paying, None)
     assert adaptive_zones._best([(asked, bare)], free).solution is bare
+
+
+def along_unpriced(monkeypatch: pytest.MonkeyPatch, known_mm: float, zones: Sequence[Sequence[int]]) -> list[list[int]]:
+    """Which of these zones are tried along the best plan of the row, where that does not pay for its moves."""
+    profile = load_profile()
+    asked = make_request(facts_of(ROW, profile), profile)
+    solution = solve(asked.facts, asked.stated.statements, SolveOptions(work=1.0))
+    free, tried = Free(asked.stated, solution, 0.02, ("no-tip-travel",)), list[list[int]]()
+    dearer = replace(solution, objective=9e4, status="optimal", route=solution.route[1::2] + solution.route[::2])
+    of = np.array([asked.facts.candidates[c].contour for c in solution.route]).argsort()
+
+    def along(facts: Facts, order: object, *, any_shape: bool = False) -> Iterator[Ints]:
+        yield from (np.array(zone)[of] for zone in ([] if any_shape else zones))
+
+    def by_zones(facts: Facts, *_: object) -> object:
+        tried.append(facts.zone[of.argsort()].tolist())
+        return Request(facts, asked.stated), dearer
+
+    monkeypatch.setattr(adaptive_zones, "zones_along", along)
+    monkeypatch.setattr(adaptive_zones, "_by_zones", by_zones)
+    limits = SolveOptions(work=9.0)
+    account = adaptive_zones.Account(0.0, lambda spent: limits)
+    known_mm *= solution.objective % EXEMPTION_MM
+    list(adaptive_zones.plans_along(asked, profile, free, account, limits, known_mm=known_mm))
+    return tried
+
+
+def test_zones_that_break_a_plan_too_much_or_no_less_than_proven_ones_are_passed_over(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    kept, broken = [1, 1, 1, 2, 2, 2], [1, 2, 1, 2, 1, 2]
+    assert along_unpriced(monkeypatch, 1.0, [broken, kept]) == [kept], "no proof makes good what that breaks"
+    assert along_unpriced(monkeypatch, 9.0, [broken, kept]) == [broken, kept]
+    assert along_unpriced(monkeypatch, 9.0, [kept, broken]) == [kept]
+    assert along_unpriced(monkeypatch, 9.0, [kept, [1, 1, 2, 2, 2, 2]]) == [kept], "neither breaks it"
