@@ -85,17 +85,17 @@ def control_for(dialect: Dialect, file: str = "") -> Control:
 
 
 def _of_another_control(dialect: Dialect, control: Control) -> dict[str, object]:
-    """What its family's words are to a control that switches its torch by others: none of its own, but those it writes.
+    """What its family's words are to a control with a name of its own: none, but those that it writes, or means.
 
-    Where M3 and M5 mean M07 and M08, as on Fanuc-like controls, M08 itself starts a coolant.
+    Where M3 and M5 mean M07 and M08, as on Fanuc-like controls, M08 itself starts a coolant; M48 has Marlin probe.
     """
-    meant = _m_words(" ".join(known for _, known in dialect.reads.means)) if dialect.reads is not None else set()
-    if meant.isdisjoint((*control.starts, *control.stops)):
+    if dialect.reads is None or dialect.reads.title is None:
         return {}
     written = " ".join(
         _texts(replace(dialect, name="", title="", reads=None, also=(), verified_by=(), no_marking=None))
     )
-    return {"foreign": control.known_m - HALTS - ENDS - _m_words(written), "also": ()}
+    meant = _m_words(" ".join(known for _, known in dialect.reads.means)) - {*control.starts, *control.stops}
+    return {"foreign": control.known_m - HALTS - ENDS - _m_words(written) - meant, "also": ()}
 
 
 def _texts(value: object) -> Iterator[str]:

@@ -226,7 +226,7 @@ class Machine:
             rest = own.sub(" ", rest)
         for found in (one for one in _M_WORD.finditer(rest) if float(one[1]) in self.control.foreign):
             text = f"{found[0]} is not understood, and not supported here, in a program for {self.control.title}"
-            why = "its dialect has other words for what switches (reads.means); name it under also if it is none"
+            why = "its dialect has no such word; name it under also if it neither moves nor switches anything"
             raise InputError(f"{text}: {why}", line=line, column=row.columns[row.code.index(found[0])])
 
     def _expect_there(self, also: Declared, row: Row, at: int, line: int) -> None:

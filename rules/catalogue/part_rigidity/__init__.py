@@ -33,7 +33,7 @@ class PartRigidityOptions:
     """What holds a part while it is cut; `edge_band_mm` is that of the rule start-side."""
 
     rigid_min: float = setting(0.6, SHARE, "least share of the last stretch of a cut that faces metal still in")
-    tail_share: float = setting(0.25, SHARE, "the last stretch, as a share of the contour")
+    tail_share: float = setting(0.25, Number(0.01, 1), "the last stretch, as a share of the contour")
     head_share: float = setting(0.25, SHARE, "the first stretch, as a share of the contour")
     head_rigid_max: float = setting(0.5, SHARE, "most of the first stretch that should face metal still in")
     head_weight_mm: float = setting(

@@ -140,7 +140,7 @@ def test_what_switches_for_a_family_does_not_for_another_control() -> None:
     control = control_for(load_dialect("fanuc"))
     assert [burn.path.length_mm for burn in read_nc(body.format(""), control=control).burns] == [10.0]
     for known, other in (("M3", "M7"), ("M3", "M15"), ("M5", "M8"), ("M5", "M16")):
-        with pytest.raises(InputError, match=rf"{other} is not understood, .* name it under also if it is none"):
+        with pytest.raises(InputError, match=rf"{other} is not understood, .* name it under also if it neither"):
             read_nc(body.format("").replace(known + "\n", other + "\n"), control=control)
     for word in ("M36 T3", "G59 V502 F34", "M19", "M08", "M9"):
         with pytest.raises(InputError, match=r"not understood|is not supported here"):
@@ -150,6 +150,19 @@ def test_what_switches_for_a_family_does_not_for_another_control() -> None:
         read_nc(body.format("M8\n"), control=called)
     coolant = replace(load_dialect("fanuc"), also=(*load_dialect("fanuc").also, Also("M8")))
     assert len(read_nc(body.format("M8\n"), control=control_for(coolant)).burns) == 1
+
+
+@pytest.mark.parametrize(
+    ("dialect", "foreign"), [("marlin", ("M48", "M53", "M68 E3 Q50")), ("mach", ("M53", "M67 E3 Q50"))]
+)
+def test_words_of_a_family_are_none_of_a_control_like_it(dialect: str, foreign: tuple[str, ...]) -> None:
+    """M48 has Marlin probe, and M67 has QtPlasmaC alone change its feed."""
+    body = "G21\nG90\n{}\nG0 X5 Y5\nM5\nM2\n"
+    control = control_for(load_dialect(dialect))
+    assert len(read_nc(body.format("M8"), control=control).rapids) == 1
+    for words in foreign:
+        with pytest.raises(InputError, match=r"is not understood, .* its dialect has no such word"):
+            read_nc(body.format(words), control=control)
 
 
 def test_eia_has_one_torch_burn_alone() -> None:
