@@ -38,8 +38,8 @@ KINDS = ("size", "shape")
 @click.option("-o", "--output", metavar="OUT.svg", help="Write a picture of the parts as they will be, exaggerated.")
 @click.option("--animate", metavar="OUT.html", help="Write a page that shows how the sheet moves, exaggerated.")
 @click.option("--compensated", metavar="OUT.json", help="Write the nest with parts drawn so that they come out true.")
-@click.option("--compensate", type=click.Choice(KINDS), default="size", show_default=True,
-              help="What --compensated changes: the size of parts along x and y, or their shape too.")  # fmt: skip
+@click.option("--compensate", type=click.Choice(KINDS),
+              help="What --compensated changes: the size of parts along x and y (default), or their shape too.")  # fmt: skip
 @FEED
 @KERF
 @click.argument("made", metavar="PLAN.json|OUT.nc", required=False)
@@ -51,7 +51,7 @@ def command(
     output: str | None,
     animate: str | None,
     compensated: str | None,
-    compensate: Kind,
+    compensate: Kind | None,
     feed: float | None,
     kerf: float | None,
     **given: Any,
@@ -74,6 +74,8 @@ def command(
 
     from .predict import distort_made, distort_old
 
+    if compensate and not compensated:
+        raise InputError("--compensate is for --compensated OUT.json, which names the nest to write")
     outputs = [name for name in (output, animate, compensated) if name]
     expect_folders([Path(name) for name in outputs])
     grid_mm = length_of("--grid", grid) if grid else None
@@ -90,7 +92,7 @@ def command(
     files: dict[Path, str | bytes] = {Path(output): found.picture().content} if output else {}
     if animate:
         files[Path(animate)] = found.animation().content
-    changed = found.compensated(compensate) if compensated else None
+    changed = found.compensated(compensate or "size") if compensated else None
     if changed is not None:
         files[Path(str(compensated))] = nest_json(changed.nest)
     write_files(files)

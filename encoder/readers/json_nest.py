@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import json
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
@@ -328,7 +329,7 @@ def _not_read(document: Mapping[str, Any]) -> list[Note]:
         for key in value.keys() - set(KEYS[kind]) if kind == "parts" else value:
             if kind == "parts":
                 shapes = isinstance(value[key], list) and any(isinstance(one, dict | list) for one in value[key])
-                moved[key] = moved.get(key, 0) + (shapes or key.lower() in _MOVES)
+                moved[key] = moved.get(key, 0) + (shapes or _MOVES.fullmatch(key) is not None)
             elif key not in KEYS[kind]:
                 notes.append(Note("warning", f"nothing reads the key '{key}' of {'the sheet' if kind else 'the file'}"))
     if keys := ", ".join(f"'{key}' ({count})" for key, count in sorted(moved.items()) if count):
@@ -337,31 +338,10 @@ def _not_read(document: Mapping[str, Any]) -> list[Note]:
     return notes
 
 
-_MOVES = frozenset(
-    [
-        "x",
-        "y",
-        "dx",
-        "dy",
-        "position",
-        "offset",
-        "translate",
-        "translation",
-        "rotation",
-        "rotate",
-        "angle",
-        "scale",
-        "mirror",
-        "flip",
-        "transform",
-        "units",
-        "unit",
-        "qty",
-        "count",
-        "copies",
-        "pcs",
-        "pieces",
-    ]
+_MOVES = re.compile(
+    r"(d?[xy]|pos(ition)?|offset|translat(e|ion)|rot(at(e|ion)|ated)?|angle|scaled?|mirror(ed)?|flip(ped)?|transform"
+    r"|matrix|units?|qty|count|copies|pcs|pieces)([_-]?(mm|deg|x|y))?",
+    re.IGNORECASE,
 )
 """Keys by which other programs say where a part lies, how large it is, and how many are wanted."""
 

@@ -80,7 +80,7 @@ def test_keys_that_nothing_reads_are_told(tmp_path: Path) -> None:
     assert texts(read(tmp_path, given).notes) == told
 
 
-@pytest.mark.parametrize("key", ["rotation", "X", "qty", "circles", "units"])
+@pytest.mark.parametrize("key", ["rotation", "X", "qty", "circles", "units", "mirrored", "rotation_deg", "scale-x"])
 def test_a_part_is_not_placed_or_repeated_by_attributes_which_is_told(tmp_path: Path, key: str) -> None:
     given = document()
     given["parts"][0] |= {key: [{"x": 4, "y": 4, "r": 1}] if key == "circles" else 90}
