@@ -213,6 +213,7 @@ def test_the_command_writes_the_nest_and_says_what_it_did(tmp_path: Path) -> Non
     for argv, said in (
         ((nest, plan, "--compensated", tmp_path / "c.dxf"), "give a name ending in .json"),
         ((tmp_path / "o.nc", "--compensated", tmp_path / "d.json"), "--compensated needs NEST"),
+        ((nest, plan, "--compensate", "shape"), "--compensate is for --compensated"),
     ):
         refused = kerfwise("distort", *argv)
         assert (refused.code, said in refused.err) == (2, True), refused.err
