@@ -39,7 +39,7 @@ KINDS = ("size", "shape")
 @click.option("--animate", metavar="OUT.html", help="Write a page that shows how the sheet moves, exaggerated.")
 @click.option("--compensated", metavar="OUT.json", help="Write the nest with parts drawn so that they come out true.")
 @click.option("--compensate", type=click.Choice(KINDS),
-              help="What --compensated changes: the size of parts along x and y (default), or their shape.")  # fmt: skip
+              help="What --compensated changes: the size of parts along x and y (default), or also shape.")  # fmt: skip
 @FEED
 @KERF
 @click.argument("made", metavar="PLAN.json|OUT.nc", required=False)
