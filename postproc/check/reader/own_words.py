@@ -94,8 +94,9 @@ def _of_another_control(dialect: Dialect, control: Control) -> dict[str, object]
     written = " ".join(
         _texts(replace(dialect, name="", title="", reads=None, also=(), verified_by=(), no_marking=None))
     )
-    meant = _m_words(" ".join(known for _, known in dialect.reads.means)) - {*control.starts, *control.stops}
-    return {"foreign": control.known_m - HALTS - ENDS - _m_words(written) - meant, "also": ()}
+    meant = _m_words(" ".join(known for _, known in dialect.reads.means)) | {7.0, 8.0, 9.0}  # coolants, wherever
+    shared = HALTS | ENDS | _m_words(written) | (meant - {*control.starts, *control.stops})
+    return {"foreign": control.known_m - shared, "also": ()}
 
 
 def _texts(value: object) -> Iterator[str]:
