@@ -93,14 +93,7 @@ def _wrong(problem: Problem, asking: _Asking, order: Sequence[int], route: Seque
     """The contours that an order, or the route along it, excuses, or that something hard is not kept of."""
     place = {contour: k for k, contour in enumerate(order)}
     ways = [[site] for site in route] if route else [problem.sites(contour) for contour in order]
-    heavy = [
-        contour
-        for contour in order
-        if asking[contour] or (problem.site_cost[problem.sites(contour)] >= EXCUSE_UM).any()
-    ]
-    return {
-        contour for contour in heavy if _short(problem, asking[contour], place, contour, ways[place[contour]]) != (0, 0)
-    }
+    return {k for k, sites in zip(order, ways, strict=True) if _short(problem, asking[k], place, k, sites) != (0, 0)}
 
 
 def _by_the_best_ways(problem: Problem, asking: _Asking, order: Sequence[int], known: Sequence[int]) -> tuple[int, ...]:

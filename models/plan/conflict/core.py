@@ -24,7 +24,17 @@ from kerfwise.rules.statements import (
 )
 from kerfwise.rules.stating.feasible_order import order_in_runs
 
-from .groups import DEFAULT_WORK, CanClash, Group, NotAnswered, NothingLeft, drop_unneeded_rules, shrink, suspects
+from .groups import (
+    DEFAULT_WORK,
+    CanClash,
+    Group,
+    NotAnswered,
+    NothingLeft,
+    drop_unneeded_rules,
+    in_time,
+    shrink,
+    suspects,
+)
 from .order_conflicts import Orders, bounds, clash_of_orders, forced, is_exact, orders_of
 from .order_model import clash, clash_at_once
 
@@ -65,7 +75,9 @@ def find_core(
     ranked = sorted(groups, key=lambda group: -gives_way.get(group.about.rule, 0))
     if locked := _among(facts, [ranked[k] for k in suspects(facts, ranked)], deadline):
         return _firmest(facts, groups, in_order(groups, *locked, soon=True), gives_way, deadline)
-    at_once = partial(clash_at_once, facts, deadline=deadline)
+    paces_s: list[float] = []
+    at_once = in_time(partial(clash_at_once, facts, deadline=deadline), deadline, paces_s)
+    at_length = in_time(partial(clash, facts, deadline=deadline), deadline, paces_s)
     try:
         if at_once(ranked) is None:
             return None
@@ -75,14 +87,14 @@ def find_core(
         shown = True
         ranked, _ = shrink(drop_unneeded_rules(ranked, gives_way, at_once), at_once)
     try:
-        left = clash(facts, ranked, deadline)
+        left = at_length(ranked)
     except NotAnswered:
         if not shown:
             raise
         return in_order(groups, ranked, minimal=False)
     if left is None:
         return None
-    core, minimal = shrink([ranked[k] for k in left], partial(clash, facts, deadline=deadline))
+    core, minimal = shrink([ranked[k] for k in left], at_length)
     return in_order(groups, core, minimal)
 
 

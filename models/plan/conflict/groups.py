@@ -142,6 +142,25 @@ Clash = Callable[[Sequence[Group]], list[int] | None]
 """Numbers of groups that cannot all hold, None if all can; raises NotAnswered where neither is shown."""
 
 
+def in_time(clash: Clash, deadline: Deadline, paces_s: list[float]) -> Clash:
+    """The same, but no question is begun that takes longer than there are seconds left, by the pace of those before.
+
+    Its model alone takes so long: a solver that is told how long it may go on is told too late. `paces_s` are the
+    seconds that each took for a group; questions of several kinds may share them.
+    """
+
+    def asked(groups: Sequence[Group]) -> list[int] | None:
+        had = deadline.left
+        if deadline.timed and had < max(paces_s, default=0.0) * len(groups):
+            raise NothingLeft
+        try:
+            return clash(groups)
+        finally:
+            paces_s.append((had - deadline.left) / max(1, len(groups)))
+
+    return asked
+
+
 def drop_unneeded_rules(core: list[Group], gives_way: Mapping[str, int], clash: Clash) -> list[Group]:
     """Groups that clash still, without those of every rule that has no part in it, as far as could be answered.
 

@@ -25,6 +25,7 @@ from kerfwise.models.plan.conflict.groups import (
     NothingLeft,
     drop_unneeded_rules,
     hard_groups,
+    in_time,
     shrink,
     solver_within,
 )
@@ -318,3 +319,19 @@ def test_nothing_is_asked_once_nothing_is_left() -> None:
     assert asked == [8, 12]
     with pytest.raises(NothingLeft):
         clash(groups)
+
+
+def test_no_question_is_begun_that_would_end_after_the_limit() -> None:
+    """Each takes a second for two groups: of 10 s the first takes 8, and of the next only a small one is begun."""
+    now = [0.0]
+
+    def clash(groups: Sequence[Group]) -> None:
+        now[0] += len(groups) / 2
+
+    asked = in_time(clash, Deadline(time_s=10.0, clock=lambda: now[0]), [])
+    some = [Group(About("locks", (), str(k)), ()) for k in range(16)]
+    assert asked(some) is None
+    with pytest.raises(NothingLeft):
+        asked(some[:5])
+    assert now == [8.0]
+    assert asked(some[:3]) is None
