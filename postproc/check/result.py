@@ -359,7 +359,7 @@ def _why(
     """Why a violation may stand, if a relaxed statement is about its contours, or held them in this order."""
     named = set(violation.contours)
     for contours in statements:
-        if set(contours) == named:
+        if set(contours) in (named, set(violation.asked)):
             return WHY
         if set(contours) in runs and named - set(contours) and len(named & set(contours)) > 1:
             return WHY

@@ -19,8 +19,10 @@ CLOCK_S = 0.05
 """Programs round their times."""
 
 
-def breaches(conditions: Iterable[Condition], nest: Nest, cuts: CutSequence) -> Iterator[Breach]:
+def breaches(conditions: Iterable[Condition], nest: Nest, cuts: CutSequence) -> Iterator[tuple[Breach, Ids]]:
     """Where cuts break conditions whose candidates are the cuts themselves, counted from 0.
+
+    Beside each breach are the contours that a condition on moves is about: it is broken by two of them.
 
     What is wrong with moves, and with what is cut too late, comes last, in the order of the cuts.
     """
@@ -32,8 +34,8 @@ def breaches(conditions: Iterable[Condition], nest: Nest, cuts: CutSequence) -> 
         elif (found := judged.breach(condition)) is not None and condition.uncut_follow:
             late.append(found)
         elif found is not None:
-            yield found
-    yield from sorted(late, key=lambda breach: breach[2])
+            yield found, ()
+    yield from ((found, ()) for found in sorted(late, key=lambda breach: breach[2]))
     if moves:
         yield from judged.moves(moves)
 
@@ -147,7 +149,7 @@ class _Judged:
         wrong = condition.wrong if isinstance(condition.wrong, str) else condition.wrong(value)
         return (name,), f"{name} (cut {position}) {wrong}", (position,)
 
-    def moves(self, asked: Sequence[NotNext]) -> Iterator[Breach]:
+    def moves(self, asked: Sequence[NotNext]) -> Iterator[tuple[Breach, Ids]]:
         """Cuts that directly follow each other and may not."""
         index, of = self.nest.index, defaultdict(list)
         for move in asked:
@@ -162,7 +164,8 @@ class _Judged:
                     ways = "" if move.leaving is None else f", {one.direction} and then {other.direction}"
                     first, then = self.at[one.contour], self.at[other.contour]
                     text = f"{other.contour} (cut {then}) must not directly follow {one.contour} (cut {first}){ways}"
-                    yield (one.contour, other.contour), text, (first, then)
+                    breach = (one.contour, other.contour), text, (first, then)
+                    yield breach, self.ids(dict.fromkeys((*move.leave, *move.reach)))
 
 
 def _steps(cuts: CutSequence) -> Iterator[tuple[int, int]]:

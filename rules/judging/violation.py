@@ -12,7 +12,7 @@ class Violation:
     """A rule broken: the contour ids, a sentence, and the positions (from 1) of the cuts that break it.
 
     Where it is the place of one contour among others that is wrong, `orders` are the pairs of ids (before, after) that
-    would have to be turned round.
+    would have to be turned round. `asked` are the contours that what is broken is about, where these are more.
     """
 
     rule: str
@@ -20,6 +20,7 @@ class Violation:
     text: str
     cuts: tuple[int, ...] = ()
     orders: tuple[Ids, ...] = field(default=(), compare=False)
+    asked: Ids = field(default=(), compare=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -149,8 +149,8 @@ class PlantRule(Rule[Thresholds]):
             return []
         asked = self.rule.ask.conditions(self._chosen(nest, cuts, options))
         return [
-            Violation(self.id, contours, f"{text}: {self.rule.why}", positions)
-            for contours, text, positions in breaches(asked, nest, cuts)
+            Violation(self.id, contours, f"{text}: {self.rule.why}", positions, asked=of)
+            for (contours, text, positions), of in breaches(asked, nest, cuts)
         ]
 
     def pairs(self, nest: Nest, cuts: CutSequence, options: Thresholds) -> list[Ids]:

@@ -345,3 +345,16 @@ def test_a_program_says_which_of_a_plants_own_rules_gave_way_whatever_their_name
     assert f"(RELAXED 1 {relaxed.rule.replace(' ', '_').replace('ü', 'u')} " in made.program
     assert made.verdict.ok
     assert check_program(PLATE, made.program, profile).rule(relaxed.rule).verdict == "excused"
+
+
+def test_a_move_that_a_relaxed_rule_forbids_is_excused(tmp_path: Path) -> None:
+    """The rule is about all contours at one height and those at others; the check names the two cuts."""
+    rows = nest(400, 300, *(part(name, rect(10 + 110 * k, 10 + 60 * k, 80, 50)) for k, name in enumerate("ABC")))
+    rule = "  - {name: rows, strength: hard, next: {same: y_mm, within: 5 mm}}\n"
+    (path := tmp_path / "rows.yaml").write_text(f"based_on: plasma-carbon-steel\nown_rules:\n{rule}", encoding="utf-8")
+    profile = load_profile(path)
+    limits = options_for(rows, profile, work=0.5)
+    made = solve_and_verify(make_request(facts_of(rows, profile), profile, relax=True), profile, limits)
+    assert len([dropped for dropped in made.plan.dropped if dropped.relaxed]) == 2
+    assert made.verdict.rule("own:rows").verdict == "excused"
+    assert made.verdict.ok
