@@ -19,7 +19,9 @@ CLOCK_S = 0.05
 """Programs round their times."""
 
 
-def breaches(conditions: Iterable[Condition], nest: Nest, cuts: CutSequence) -> Iterator[tuple[Breach, Ids]]:
+def breaches(
+    conditions: Iterable[Condition], nest: Nest, cuts: CutSequence
+) -> Iterator[tuple[Breach, tuple[str, ...]]]:
     """Where cuts break conditions whose candidates are the cuts themselves, counted from 0.
 
     Beside each breach are the contours that a condition on moves is about: it is broken by two of them.
@@ -149,7 +151,7 @@ class _Judged:
         wrong = condition.wrong if isinstance(condition.wrong, str) else condition.wrong(value)
         return (name,), f"{name} (cut {position}) {wrong}", (position,)
 
-    def moves(self, asked: Sequence[NotNext]) -> Iterator[tuple[Breach, Ids]]:
+    def moves(self, asked: Sequence[NotNext]) -> Iterator[tuple[Breach, tuple[str, ...]]]:
         """Cuts that directly follow each other and may not."""
         index, of = self.nest.index, defaultdict(list)
         for move in asked:

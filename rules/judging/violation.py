@@ -20,7 +20,7 @@ class Violation:
     text: str
     cuts: tuple[int, ...] = ()
     orders: tuple[Ids, ...] = field(default=(), compare=False)
-    asked: Ids = field(default=(), compare=False)
+    asked: tuple[str, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True, slots=True)
