@@ -323,8 +323,19 @@ def _check_proof(solve: dict[str, Any], path: str | Path) -> None:
 
 
 def _check_sums(data: dict[str, Any], path: str | Path) -> None:
-    """Times come to the total, and what travel and breaches cost to the objective."""
+    """Times come to the total, what travel and breaches cost to the objective, and places that are not kept to a state.
+
+    A state is shown to whoever stands at the machine.
+    """
     time, prices = data.get("time", {}), data.get("prices")
+    if "state" in data:
+        state = PlanState.of_json(data["state"])
+        listed = PlanState.of(state.places)
+        if (listed.kind, listed.count) != (state.kind, data["state"]["count"]):
+            says = (
+                f"its state is {state.kind} ({data['state']['count']} places), and by its places it is {listed.short()}"
+            )
+            raise InputError(f"the plan is damaged: {says}", file=path)
     parts_s = [time[key] for key in ("cut_s", "idle_s", "pierce_s", "dwell_s") if key in time]
     for total_s in (time.get("total_s"), data["totals"]["time_s"]) if len(parts_s) > 2 else ():
         if total_s is not None and abs(sum(parts_s) - total_s) > _SAME_S + _SAME_COST * total_s:

@@ -161,6 +161,12 @@ NUMBERS = {
     "a gap under 0": (("solve", "gap"), -0.5, "solve, gap"),
     "times that come to another total": (("time", "cut_s"), 4000.0, "its times come to "),
     "prices that come to another objective": (("prices", "travel"), 9e6, "its prices come to "),
+    "a state that its places are not": (
+        ("state", "kind"),
+        "broken",
+        "its state is broken (0 places), and by its places",
+    ),
+    "places that are not listed": (("state", "count"), 3, "its state is kept (3 places), and by its places it is kept"),
     "no number": (("totals", "idle_mm"), float("nan"), "totals, idle_mm"),
     "an infinite bound": (("solve", "bound"), float("inf"), "solve, bound"),
 }
