@@ -369,7 +369,8 @@ def _read_rule(node: yaml.Node, rule: Rule[Any], base: RuleSetting, problems: Pr
     if not members and strength == "off":
         problems.add(node, f"{what}: the rule is off, and nothing is said of it: {_say_strength(rule)}")
     rest = [member for member in members if member[0] not in values]
-    stand = partial(where_it_belongs, rules=RULES, section="rules")
+    others = {name: other for name, other in RULES.items() if name != rule.id}
+    stand = partial(where_it_belongs, rules=others, section="rules")
     options = read_fields(rest, base.options, problems, what, other=("strength", "weight"), elsewhere=stand)
     if rule.brought and rest and strength == "off" and "strength" not in values:
         problems.add(node, f"{what}: rules from outside are off unless a profile says otherwise: {_say_strength(rule)}")

@@ -160,6 +160,7 @@ def test_a_beginning_of_a_key_is_not_taken_for_a_section(tmp_path: Path) -> None
     answer = told(tmp_path, "prices: {machine: 60}")
     assert "prices: unknown key 'machine': did you mean 'machine_hour'?" in answer
     assert "belongs under" not in answer
+    assert "rules.t-max: unknown key 't_max' (valid: dwells, limit," in told(tmp_path, "rules: {t-max: {t_max: 900}}")
 
 
 @pytest.mark.parametrize(
