@@ -170,14 +170,14 @@ def test_two_runs_are_compared() -> None:
 
 
 def test_an_own_fault_is_found_with_its_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from kerfwise.commands import shared_options
+    from kerfwise.jobs.nest_job import request
 
-    monkeypatch.setattr(shared_options, "plant_of", lambda *names: {}[names])
+    monkeypatch.setattr(request, "plant_of", lambda *names: {}[names])
     report = reported(PLAIN, tmp_path / "case")
     assert report.code == 70
     assert [text.partition(": ")[0] for text in report.findings] == ["own fault", "at"]
     assert what(report) >= {"own fault"}
-    monkeypatch.setattr(shared_options, "plant_of", lambda *names: (_ for _ in ()).throw(MemoryError()))
+    monkeypatch.setattr(request, "plant_of", lambda *names: (_ for _ in ()).throw(MemoryError()))
     assert reported(PLAIN, tmp_path / "case").findings[0].startswith("over 3 GB: own fault")
     monkeypatch.setattr(workers, "run", lambda case, folder: {}[0])
     assert reported(PLAIN, tmp_path / "case").findings[0].startswith("traceback: KeyError")
