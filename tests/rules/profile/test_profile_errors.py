@@ -102,9 +102,7 @@ MISTAKES = {
         "2:41: rules.level-ahead.weight: only a soft rule has a weight, this one is hard"
     ),
     "rules: {locks: off}": "1:16: rules.locks: expected one of hard, got 'off'",
-    "rules: {locks: {locks: []}}": (
-        "1:17: rules.locks: there is no key 'locks' here, it belongs under locks: … or rules: {locks: …}"
-    ),
+    "rules: {locks: {locks: []}}": ("1:17: rules.locks: there is no key 'locks' here, it belongs under locks: …"),
     "locks: {contour: P1.outer}": "1:8: locks: expected a list, got a mapping",
     "locks:\n  - first": "2:5: locks[1]: expected a mapping (key: value), got 'first'",
     "locks:\n  - {contour: P1.outer}": f"2:5: locks[1]: {OF_CONTOUR}",
