@@ -54,7 +54,7 @@ quarter of a second, then slower and slower. A step is kept where the whole rout
 one route never end in a dearer one. Runs whose first annealing is of another length go other ways, and may end in a
 dearer plan with more work, though not by much. Where there is more work than that takes (12 of search at 300 contours,
 70 at 1000), short searches from nothing follow, and what they find is merged into the best route: all moves that two
-routes share are taken for granted, and the rest is searched.
+routes share stay, and the rest is searched. By turns with these some 200 contours are laid out anew.
 
 """
 

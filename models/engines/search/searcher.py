@@ -155,13 +155,13 @@ class Searcher:
     def _by_merging(self, pool: Executor, budget: int, each: int, ends_s: float, progress: Progress) -> bool:
         """Search for other routes from nothing, and merge them into the best one; answers as `run` does.
 
-        Regions alone hardly find anything any more where they have been gone through for long.
+        Small regions hardly find anything where they have been gone through for long: large ones come by turns.
         """
 
         def heard(engine: str, cost_um: int | None, bound_um: int | None) -> bool:
             return progress(engine, self._best_cost(), bound_um)
 
-        left = budget
+        left, self._regions.late = budget, True
         others: Elite | None = None  # those that came of the others alone
         while left >= each and (now_s := running_s()) < ends_s:
             self._merged += 1
@@ -174,8 +174,9 @@ class Searcher:
                 self._walkers[0].stand_on(best.route)
                 others = None if others is not None and best.same(others) else others  # to stay apart
             left -= each + work + more
-            if not going:
+            if not (going and self._by_regions(self._regions, pool, min(each, left), ends_s, progress)):
                 return False
+            left -= each
         return self._by_regions(self._regions, pool, left, ends_s, progress)
 
     def _merged_of(self, one: Elite | None, other: Elite | None) -> tuple[Elite | None, int]:
@@ -300,7 +301,7 @@ STAGES = (
     Stage(16.0, 120, 500_000, 4.0),
     Stage(28.0, 120, 1_000_000, 4.0),
     Stage(40.0, 120, 2_000_000, 4.0),
-    Stage(inf, 120, 4_000_000, 4.0),
+    Stage(inf, 200, 4_000_000, 8.0),
 )
 """What little searches leave is soon found by small regions. The rest asks for large ones, laid out anew from above."""
 
@@ -330,6 +331,7 @@ class Regions:
         self.contractor = Contractor(problem, fields)
         self._nearby = Nearby(problem)
         self._rounds = self._freed = 0
+        self.late = False  # whether the last stage comes next, wherever it has come to
 
     def step(
         self, threads: Executor, route: Ints, operations: int, most: int | None = None, ends_s: float = inf
@@ -356,7 +358,8 @@ class Regions:
 
     def _stage(self) -> Stage:
         """The stage that it has come to."""
-        return next(stage for stage in STAGES if self._freed < stage.passes * self._problem.n)
+        come_to = (stage for stage in STAGES if self._freed < stage.passes * self._problem.n)
+        return STAGES[-1] if self.late else next(come_to)
 
     def _part(self, route: Ints, random: np.random.Generator) -> int:
         """A place about the middle of a route, between two blocks."""
