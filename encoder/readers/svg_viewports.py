@@ -18,8 +18,9 @@ from .options import GIVEN, SMALLEST_SHEET_MM, ReadOptions, mm_of, units_questio
 from .svg_css import declarations, properties, tag_of, with_style
 
 VIEWPORT = "kerfwise-viewport"
-_MADE = "kerfwise-made"
 """An attribute: of a nested <svg> and of a symbol what is seen of it, in its own units; of a <use> the size around."""
+_MADE = "kerfwise-made"
+"""An attribute: of an <svg> whose viewBox is not of the drawing."""
 
 PX = {"": 1.0, "px": 1.0, "mm": 96 / 25.4, "cm": 960 / 25.4, "in": 96.0, "pt": 96 / 72, "pc": 16.0, "q": 24 / 25.4}
 """User units of a length, by its unit."""
