@@ -31,7 +31,7 @@ from kerfwise.models.engines.tuning import ZONES_TRIES as TRIES
 from kerfwise.models.jit import running_s
 from kerfwise.models.plan.zones_cost import ZonesCost
 from kerfwise.rules.profile.profile import Profile
-from kerfwise.rules.statements import EXEMPTION_MM, Statement, by_kind
+from kerfwise.rules.statements import EXEMPTION_MM, Statement
 from kerfwise.rules.stating.lazy_statements import lazy_statements
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 
@@ -41,6 +41,7 @@ from .plan_without_zones import (
     look_for,
     next_look_limit_s,
     paying_for_crossings,
+    prices_crossings,
     restated,
     searched,
     sorted_mm,
@@ -187,7 +188,7 @@ def plan_by_rungs(
     times = TIMES if solution is None else TIMES / 2  # that has taken some of it
     one = replace(asked.facts, zone=asked.facts.zone.clip(max=1))
     unzoned = None if is_relaxed(asked) else restated(one, profile, asked.stated)
-    unpriced = contours > MOST_MOVES and bool(by_kind(asked.stated.statements).crossing)
+    unpriced = contours > MOST_MOVES and prices_crossings(asked.stated.statements)
     told_mm = inf if solution is None else solution.objective
 
     def hear(by: Request, better: Solution) -> None:

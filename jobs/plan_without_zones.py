@@ -228,6 +228,11 @@ def sorted_mm(request: Request, free: Free, zone: Ints) -> float:
     return free.solution.objective % EXEMPTION_MM + float(now - before + crossed) / UM_PER_MM
 
 
+def prices_crossings(statements: Sequence[Statement]) -> bool:
+    """Whether a rule prices or bans moves over areas."""
+    return bool(by_kind(statements).crossing)
+
+
 def bans_crossings(statements: Sequence[Statement]) -> bool:
     """Whether a hard rule bans moves over areas."""
     return any(s.weight is None for s in by_kind(statements).crossing)

@@ -116,8 +116,7 @@ told compiled
 
 say "tests"
 failed=0
-# Three processes for two cores: one in six seconds of a test is a wait, for a page or for a limit by the clock.
-KERNELS_ARE_COMPILED=1 .venv/bin/pytest -q -n 3 --dist worksteal "$@" || failed=$?
+KERNELS_ARE_COMPILED=1 .venv/bin/pytest -q -n 2 --dist worksteal "$@" || failed=$?
 told types
 rm -rf "$said"
 exit "$failed"

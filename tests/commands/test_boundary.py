@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 import kerfwise as package
-from kerfwise.commands import shared_options
 from kerfwise.encoder.errors import InputError
+from kerfwise.jobs.nest_job import request
 from kerfwise.postproc.verdict import check_plan
 from kerfwise.rules.catalogue.level_ahead import LevelAhead
 from kerfwise.rules.profile.load import load_profile
@@ -39,7 +39,7 @@ def ended_with(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> Ended:
     def fail(*args: object, **options: object) -> Any:
         raise error
 
-    monkeypatch.setattr(shared_options, "plant_of", fail)
+    monkeypatch.setattr(request, "plant_of", fail)
     return kerfwise("facts", NEST)
 
 
@@ -106,7 +106,7 @@ def test_an_exception_in_a_rule_names_the_rule(hook: str, here: Path, monkeypatc
     rule = type("Broken", (LevelAhead,), {hook: fail, "__module__": __name__})()
     with pytest.raises(ZeroDivisionError) as caught:
         list(getattr(rule, hook)(*[None] * (2 if hook == "statements" else 3)))
-    monkeypatch.setattr(shared_options, "plant_of", lambda *asked: (_ for _ in ()).throw(caught.value))
+    monkeypatch.setattr(request, "plant_of", lambda *asked: (_ for _ in ()).throw(caught.value))
     where = rf"in rule level-ahead \(test_boundary.py, line {fail.__code__.co_firstlineno + 1}\): ZeroDivisionError"
     assert re.search(where, kerfwise("facts", NEST).err)
 

@@ -68,7 +68,7 @@ class ToolsOn(ABC):
             self.held_from = self.held = 0
 
     def stop(self, tool: int) -> None:
-        """Stop a tool, or all; by then height control is on again, which may wait until the pierce is done."""
+        """Stop a tool, or all; before, height control is on again, though perhaps only since the pierce was done."""
         if self.held and self.on:
             text = f"tool ${self.on[0]} burns without height control, stopped in the cut on line {self.held_from}"
             self.track.fault(self.held, "program-state", text)
