@@ -36,7 +36,9 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 def client(served: Served) -> Iterator[httpx.Client]:
     """A browser that has the token, on the server's own pages."""
     headers = {"origin": served.address, "x-kerfwise-token": TOKEN}
-    with httpx.Client(base_url=served.address, headers=headers, timeout=WAIT_S) as made:
+    # The server closes what was idle for 5 s, as long as httpx would use it again: one may cross the other.
+    limits = httpx.Limits(keepalive_expiry=1.0)
+    with httpx.Client(base_url=served.address, headers=headers, timeout=WAIT_S, limits=limits) as made:
         yield made
 
 
