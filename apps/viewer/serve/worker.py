@@ -17,7 +17,7 @@ from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NoReturn
 
 from kerfwise.encoder.errors import Advice, InputError, KerfwiseError
 from kerfwise.encoder.escape import escape_text
@@ -167,7 +167,7 @@ def answer_questions(role: str, way: Connection, stop: Connection, readable: Seq
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process; only the first one answers
     if hasattr(os, "setpgid"):
         os.setpgid(0, 0)  # it ends with all that it begins
-    threading.Thread(target=_end_all_with_parent, daemon=True).start()
+    threading.Thread(target=_end_with_server, daemon=True).start()
     show_few_notes()
     if readable:
         read_only_within(readable)
@@ -185,6 +185,7 @@ def answer_questions(role: str, way: Connection, stop: Connection, readable: Seq
             except Exception as error:  # the server lives on, whatever went wrong
                 reply = ("refused", error_as_json(error))
             way.send(reply)
+    _end_all()  # threads that wait for the end of the server may not have seen it yet
 
 
 def show_few_notes() -> None:
@@ -193,10 +194,15 @@ def show_few_notes() -> None:
     warnings.filterwarnings("ignore", ".*, still going$", Advice)
 
 
-def _end_all_with_parent() -> None:
-    """End, and have end all that this process has begun, where the server was killed."""
+def _end_with_server() -> None:
+    """End all once the server has ended, whatever this process is doing."""
     if (server := parent_process()) is not None:
         server.join()
+    _end_all()
+
+
+def _end_all() -> NoReturn:
+    """End this process and all that it has begun."""
     if hasattr(os, "killpg"):
         os.killpg(0, signal.SIGKILL)
     os._exit(1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import multiprocessing
 import os
 import signal
 import socket
@@ -27,6 +28,7 @@ from kerfwise.apps.viewer.serve.plans_shown import RecentFacts
 from kerfwise.apps.viewer.serve.query_worker import Desk
 from kerfwise.apps.viewer.serve.server import save
 from kerfwise.apps.viewer.serve.session import Session
+from kerfwise.apps.viewer.serve.worker import answer_questions
 from kerfwise.encoder.already_cut import NOTHING_CUT
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.nest import Nest
@@ -105,6 +107,27 @@ def test_a_killed_process_is_started_again_and_nothing_is_lost(opened: Open, pla
     assert tab.get("move", contours="B", place=3)["lawful"] is True
     state = tab.solved()
     assert (state["problem"], len(state["alternatives"]), state["locked"]) == ("", 2, ["C.outer last"])
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="Windows has no groups of processes")
+def test_solvers_of_others_end_with_a_process_that_nobody_asks_any_more() -> None:
+    """The pipe is the first that it sees of a server's end: it went, its solver stayed."""
+    context = multiprocessing.get_context("spawn")
+    (way, there), (stop, stops) = context.Pipe(), context.Pipe()
+    process = context.Process(target=answer_questions, args=("desk", there, stops), daemon=True)
+    process.start()
+    way.send(("ready", {}))
+    assert way.recv()[0] == "answer"
+    solver = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(120)"], process_group=process.pid)
+    try:
+        for pipe in (way, there, stop, stops):
+            pipe.close()
+        assert solver.wait(30) == -signal.SIGKILL
+        process.join(30)
+        assert not process.is_alive()
+    finally:
+        solver.kill()
+        process.kill()
 
 
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="Windows has no groups of processes")
