@@ -74,7 +74,7 @@ def problems_error(message: str, problems: list[str]) -> InputError:
 
 # Parts against each other and against the sheet.
 
-MOST_NOTES = 100
+MOST_NOTES = 5
 
 
 def overlap_problems(parts: Sequence[Part]) -> tuple[list[str], list[Note]]:
