@@ -29,12 +29,12 @@ import kerfwise
 from kerfwise.apps.bench.bench_child import load_kernels
 from kerfwise.benchmarks.plates import default_without, made_plate
 from kerfwise.jobs.request import facts_of, make_request
-from kerfwise.models.engines.bounds import MOST_SITES, flow_bound
+from kerfwise.models.engines.bounds import flow_bound
 from kerfwise.models.engines.deadline import Deadline
 from kerfwise.models.engines.portfolio import run_portfolio
 from kerfwise.models.engines.search import Searcher
 from kerfwise.models.engines.solution import SolveOptions
-from kerfwise.models.engines.tuning import CROWD, MANY_MOVES, MOVES_KEPT
+from kerfwise.models.engines.tuning import CROWD, FLOWS_MOST_SITES, MANY_MOVES, MOVES_KEPT
 from kerfwise.models.physics.time_and_cost import feeds_of
 from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.moves import MovePrices
@@ -284,7 +284,7 @@ def main() -> None:
         seed=given.seeds[0],
         parts=given.parts,
         work=given.work,
-        sites=MOST_SITES,
+        sites=FLOWS_MOST_SITES,
         crowd=CROWD,
         many=MANY_MOVES,
         fewer=round(MOVES_KEPT * MANY_MOVES),
