@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -14,7 +15,9 @@ import numpy as np
 import shapely
 from ezdxf import recover
 from ezdxf.document import Drawing as Document
+from ezdxf.entities.arc import Arc
 from ezdxf.entities.dxfgfx import DXFGraphic
+from ezdxf.entities.ellipse import Ellipse
 from ezdxf.entities.insert import Insert
 from ezdxf.entities.point import Point
 from ezdxf.filemanagement import readfile
@@ -41,6 +44,7 @@ from .drawing import (
 )
 from .dxf_entities import (
     NO_LINES,
+    NO_TURN,
     Hidden,
     Looks,
     Placed,
@@ -174,9 +178,23 @@ def _doubts(document: Document, shown: Sequence[Placed], scale: float) -> Iterat
         yield Note("warning", f"{text}; most of all {where}")
     if tilted := [placed.layer for placed in shown if is_tilted(placed.entity)]:
         yield Note("warning", f"drawn on a tilted plane, and read as it is seen from above: {counted(tilted)}")
+    if rounds := [placed.layer for placed in shown if _ends_where_it_starts(placed.entity)]:
+        said = "arcs with two angles that are one, read as once round, where some CAD systems show a point"
+        yield Note("warning", f"{said}: {counted(rounds)}; draw circles, or delete them")
     unprinted = {name_of(str(x.dxf.name)).lower() for x in document.layers if not x.dxf.get("plot", 1)} - {"defpoints"}
     if drawn := [placed.layer for placed in shown if placed.layer.lower() in unprinted]:
         yield Note("warning", f"on layers that are never printed, and read like all others: {counted(drawn)}")
+
+
+def _ends_where_it_starts(entity: DXFGraphic) -> bool:
+    """Whether the angles of an arc are one, and not once round apart."""
+    match entity:
+        case Arc():
+            return math.radians(abs(entity.dxf.end_angle - entity.dxf.start_angle)) < NO_TURN
+        case Ellipse():
+            return abs(float(entity.dxf.end_param) - float(entity.dxf.start_param)) < NO_TURN
+        case _:
+            return False
 
 
 def _foreshortening(points: Sequence[Vec3]) -> float:

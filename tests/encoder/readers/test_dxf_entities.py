@@ -129,6 +129,17 @@ def test_an_arc_that_ends_where_it_begins_is_a_circle(tmp_path: Path, angles: tu
     assert area == pytest.approx(200 * math.pi, abs=0.5)
 
 
+@pytest.mark.parametrize(("end", "told"), [(45, ["2 on '0'"]), (405, []), (-315, [])])
+def test_an_arc_whose_angles_are_one_is_told(tmp_path: Path, end: float, told: list[str]) -> None:
+    def draw(space: Any) -> None:
+        space.add_arc((50, 50), 20, 45, end)
+        space.add_ellipse((150, 50), (20, 0), 0.5, math.radians(45), math.radians(end))
+        space.add_circle((50, 150), 20)
+
+    notes = [note for note in texts(read_dxf(tmp_path, draw, open_lines="ignore").notes) if "angles" in note]
+    assert [note.split(": ")[1].split(";")[0] for note in notes] == told
+
+
 def test_lines_and_arcs_in_any_order(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         space.add_arc((100, 65), 15, 270, 90)
