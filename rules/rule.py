@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import inspect
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -35,6 +37,19 @@ OTHER_CUTS = "Links, tabs and other cuts"
 """The heading under which a rule says what it means for cuts beyond one contour and one pierce."""
 HEADINGS = ("What it does", OTHER_CUTS, "Why", "Wrong", "Right")
 """The headings, in this order, of every shipped rule's docstring."""
+
+
+def name_in_programs(rule: str) -> str:
+    """What a program's comments call a rule: one whose name they cannot hold as it is bears a mark of that.
+
+    Examples
+    --------
+    >>> name_in_programs("level-ahead"), name_in_programs("own:Größe")
+    ('level-ahead', 'own:Größe.368ac2')
+    """
+    if re.fullmatch("(own:)?[a-z0-9]+(-[a-z0-9]+)*", rule):
+        return rule
+    return f"{rule}.{hashlib.sha256(rule.encode('utf-8', 'surrogatepass')).hexdigest()[:6]}"
 
 
 @dataclass(frozen=True, slots=True)

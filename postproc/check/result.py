@@ -20,7 +20,7 @@ from kerfwise.encoder.nest import Ids, Nest
 from kerfwise.rules.judging.violation import Violation
 from kerfwise.rules.plan_state import How, Place, PlanState
 from kerfwise.rules.profile.active_rules import ActiveRules
-from kerfwise.rules.rule import Strength
+from kerfwise.rules.rule import Strength, name_in_programs
 
 MOST = 20
 MOST_SOFT = 3
@@ -293,7 +293,7 @@ def read_relaxed(nest: Nest, comments: Iterable[str], rules: Iterable[str]) -> t
     """
     comments = tuple(comments)
     ids = ids_by_name(nest, comments)
-    written = [(normalize_name(_unaccented(rule)), rule) for rule in rules]
+    written = {(normalize_name(_unaccented(name)), rule) for rule in rules for name in (rule, name_in_programs(rule))}
     counts = Counter(name for name, _ in written)
     named = {name: rule for name, rule in written if counts[name] == 1}
     found: dict[tuple[int, str], list[str]] = {}

@@ -25,6 +25,7 @@ from kerfwise.postproc.dialects import (
     powers_of,
 )
 from kerfwise.rules.profile.technique import Technique
+from kerfwise.rules.rule import name_in_programs
 
 from .gcode import (
     GcodeWriter,
@@ -185,7 +186,7 @@ def _assumed(plan: Plan, profile: Technique, dialect: Dialect) -> Iterator[str]:
 def _relaxed(plan: Plan, names: Mapping[str, str], dialect: Dialect) -> Iterator[str]:
     """What is relaxed, a number each; contours that have no room go on in another comment of that number."""
     for k, dropped in enumerate((d for d in plan.dropped if d.relaxed), 1):
-        head = f"RELAXED {k} {plain(dropped.rule).replace(' ', '_')}"
+        head = f"RELAXED {k} {plain(name_in_programs(dropped.rule)).replace(' ', '_')}"
         room = room_for(dialect, head)
         line = ""
         for name in (plain(names.get(contour, contour)).replace(" ", "_") for contour in dropped.contours):

@@ -333,16 +333,19 @@ def test_of_many_equal_conditions_the_fewest_give_way_at_once_and_the_advice_wor
     assert followed.verdict.ok
 
 
-def test_a_program_says_which_of_a_plants_own_rules_gave_way_whatever_their_names(tmp_path: Path) -> None:
+@pytest.mark.parametrize("names", [("Früh P2", "Früh P3"), ("Größe", "Grö(e"), ("первый", "сначала")])
+def test_a_program_says_which_of_a_plants_own_rules_gave_way_whatever_their_names(
+    names: tuple[str, str], tmp_path: Path
+) -> None:
     """A comment holds no accents, and a name in it no spaces: the check read `own:first` in place of `own:first P2`."""
-    rule = "  - {{name: Früh {k}, strength: hard, select: {{part: {k}}}, first: true}}\n"
-    text = "based_on: plasma-carbon-steel\nown_rules:\n" + rule.format(k="P2") + rule.format(k="P3")
+    rule = '  - {{name: "{name}", strength: hard, select: {{part: {part}}}, first: true}}\n'
+    rules = [rule.format(name=name, part=part) for name, part in zip(names, ("P2", "P3"), strict=True)]
+    text = "based_on: plasma-carbon-steel\nown_rules:\n" + "".join(rules)
     (path := tmp_path / "first.yaml").write_text(text, encoding="utf-8")
     profile = load_profile(path)
     limits = options_for(PLATE, profile, work=0.5)
     made = solve_and_verify(make_request(facts_of(PLATE, profile), profile, relax=True), profile, limits)
     (relaxed,) = [dropped for dropped in made.plan.dropped if dropped.relaxed]
-    assert f"(RELAXED 1 {relaxed.rule.replace(' ', '_').replace('ü', 'u')} " in made.program
     assert made.verdict.ok
     assert check_program(PLATE, made.program, profile).rule(relaxed.rule).verdict == "excused"
 
