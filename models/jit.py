@@ -194,7 +194,7 @@ def compiled_s() -> float:
 def running_s() -> float:
     """A clock, s, for limits: it stands still while a kernel is compiled or loaded."""
     with _lock:
-        return time.monotonic() - made_s()
+        return _now_or_since_s() - _process.made_s
 
 
 def counted_s() -> float:
@@ -203,8 +203,12 @@ def counted_s() -> float:
     Until a kernel is there it is not known which of the two it was: so long it stands still, too.
     """
     with _lock:
-        now_s = time.monotonic()
-        return now_s - _process.compiled_s - (now_s - _process.since_s if _process.making else 0.0)
+        return _now_or_since_s() - _process.compiled_s
+
+
+def _now_or_since_s() -> float:
+    """Now, by the clock; where a kernel is compiled or loaded, when that began."""
+    return _process.since_s if _process.making else time.monotonic()
 
 
 def cores() -> int:

@@ -34,7 +34,7 @@ def test_each_answer_is_in_its_place(pays: bool) -> None:
 
 
 def test_the_second_step_has_a_thread_of_its_own_where_that_pays() -> None:
-    met = threading.Barrier(2, timeout=20)
+    met = threading.Barrier(2, timeout=120)
     assert in_parallel(met.wait, met.wait) in {(0, 1), (1, 0)}
     here = threading.get_ident()
     assert in_parallel(threading.get_ident, threading.get_ident, False) == (here, here)

@@ -13,7 +13,6 @@ from kerfwise.tests.apps.viewer.serve.served import Served, Tab
 
 HEIGHTS = {1400: 900, 1024: 768, 390: 844}
 WAIT_S = 60.0
-HELD_MS = 600
 BAD = ("error", "warning")
 """Kinds of what a console says; that the server has refused something, 422, is told by the browser itself."""
 Place = tuple[float, float]
@@ -112,15 +111,16 @@ class AtPage:
             "Number(document.documentElement.dataset.plan) === document.querySelector('#hands-plans .shown').value"
         )
 
-    def drag(self, places: Sequence[Place], held_ms: int = 0, stay_ms: int = 0) -> None:
-        """Press at the first place and move over the others to the last; nothing is let go yet."""
+    def drag(self, places: Sequence[Place], held: bool = False, stay_ms: int = 0) -> None:
+        """Press at the first place, until it is `held`, and move to the others; nothing is let go yet."""
         (x, y), *way = places
         if not self.touch:
             self.page.mouse.move(x, y)
             self.page.mouse.down()
         else:
             self._finger("touchStart", x, y)
-        self.page.wait_for_timeout(held_ms)
+        if held:
+            self.page.wait_for_selector("#hands-verdict:has-text(' is held: ')")
         for to_x, to_y in way:
             for part in (0.2, 0.6, 1.0):
                 self.move(x + part * (to_x - x), y + part * (to_y - y))
@@ -169,7 +169,7 @@ class AtPage:
         """Drag a part onto another one on the drawing: with Shift held, or by a finger that stays before it moves."""
         if not self.touch:
             self.page.keyboard.down("Shift")
-        self.drag([self.inside(contour), self.inside(to)], held_ms=HELD_MS if self.touch else 0)
+        self.drag([self.inside(contour), self.inside(to)], held=self.touch)
         if not self.touch:
             self.page.keyboard.up("Shift")
         return self.verdict()

@@ -13,7 +13,7 @@ from playwright.sync_api import Browser
 
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.apps.viewer.serve.at_page import AtPage
-from kerfwise.tests.apps.viewer.serve.served import SMALL, TOKEN, WAIT_S, Open, Served, Tab, serving
+from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Served, Tab, browser_of, serving
 from kerfwise.tests.tools.amount import few
 
 Look = Callable[..., AtPage]
@@ -35,10 +35,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 @pytest.fixture(scope="package")
 def client(served: Served) -> Iterator[httpx.Client]:
     """A browser that has the token, on the server's own pages."""
-    headers = {"origin": served.address, "x-kerfwise-token": TOKEN}
-    # The server closes what was idle for 5 s, as long as httpx would use it again: one may cross the other.
-    limits = httpx.Limits(keepalive_expiry=1.0)
-    with httpx.Client(base_url=served.address, headers=headers, timeout=WAIT_S, limits=limits) as made:
+    with browser_of(served.address) as made:
         yield made
 
 

@@ -37,6 +37,16 @@ SMALL = """{"format": "kerfwise-nest/1", "sheet": {"width": 400, "height": 120},
 """
 
 
+def client_of(address: str, wait_s: float = WAIT_S, **headers: str) -> httpx.Client:
+    """Whoever asks a server. That closes what was idle for 5 s, as long as httpx would use it again; this does not."""
+    return httpx.Client(base_url=address, headers=headers, timeout=wait_s, limits=httpx.Limits(keepalive_expiry=1.0))
+
+
+def browser_of(address: str, token: str = TOKEN, wait_s: float = WAIT_S) -> httpx.Client:
+    """A browser that has the token, on the server's own pages."""
+    return client_of(address, wait_s, **{"origin": address, "x-kerfwise-token": token})
+
+
 @dataclass
 class Tab:
     """A browser's tab of one nest, as a test drives it."""
@@ -111,6 +121,10 @@ class Served:
         """An address that lets one browser in."""
         return f"{self.address}/?code={self.keys.code()}"
 
+    def listed(self, *names: str) -> None:
+        """Wait until the list has these nests: of a folder that was just looked at it tells what was there."""
+        wait_for(lambda: {*names} <= {one.name for one in self.server.nests.known(1.0)[0]})
+
     @contextlib.contextmanager
     def planner_taken(self, nest: str = "another nest") -> Iterator[None]:
         """The planner works for another nest until the end of the context: whoever plans waits, and nothing is done."""
@@ -163,7 +177,7 @@ def in_a_loop(work: Coroutine[Any, Any, T]) -> T:
 
 def wait_for(what: Callable[[], Any]) -> None:
     """Wait until something is so."""
-    ends = time.monotonic() + 30
+    ends = time.monotonic() + WAIT_S
     while not what():
         assert time.monotonic() < ends
         time.sleep(0.01)

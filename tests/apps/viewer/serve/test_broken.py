@@ -21,7 +21,7 @@ from kerfwise.apps.viewer.serve.worker import error_as_json
 from kerfwise.encoder.readers.read import BrokenNest
 from kerfwise.tests.apps.viewer.serve.at_page import drop
 from kerfwise.tests.apps.viewer.serve.conftest import TOUCH_FIRST
-from kerfwise.tests.apps.viewer.serve.served import Served
+from kerfwise.tests.apps.viewer.serve.served import Served, wait_for
 
 CROSSED = [[200, 20], [300, 20], [300, 100], [201, 100], [199, 98], [200, 100]]
 """It crosses itself near its last corner."""
@@ -147,11 +147,9 @@ def test_marks_stay_where_the_problems_are_and_repair_opens_the_drawing(
     px, py = round(x + 40), round(y + 40)
     page.mouse.move(px, py)
     page.mouse.wheel(0, -400)
-    page.wait_for_timeout(100)
     zoom = math.exp(400 * 0.0016)
-    assert middle(page, "#broken .mark >> nth=1") == pytest.approx(
-        (px + (x - px) * zoom, py + (y - py) * zoom), abs=1.5
-    )
+    there = pytest.approx((px + (x - px) * zoom, py + (y - py) * zoom), abs=1.5)
+    wait_for(lambda: page.wait_for_timeout(15) or middle(page, "#broken .mark >> nth=1") == there)
     page.click("#broken .mark >> nth=1")
     assert page.locator("#broken .bubble").inner_text().startswith("A.outer and B.outer overlap by 100.000 mm²")
     assert page.locator("#broken .bubble .repair").count() == 0

@@ -93,6 +93,7 @@ def test_a_nest_is_opened_from_the_list_and_by_dropping_it(look: Look, served: S
     page = at.page
     (served.server.folder.path / "listed.json").write_text(SMALL, encoding="utf-8", newline="\n")
     (served.server.folder.path / os.fsdecode(b"Tr\xe4ger.json")).write_text(SMALL, encoding="utf-8")
+    served.listed("listed.json", os.fsdecode(b"Tr\xe4ger.json"))
     page.goto(f"{served.address}/?list")
     page.wait_for_selector("p:has-text('Tr\\\\udce4ger.json')")
     page.click("button:has-text('listed.json')")

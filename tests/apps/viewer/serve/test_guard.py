@@ -8,14 +8,14 @@ from pathlib import Path
 import httpx
 import pytest
 
-from kerfwise.tests.apps.viewer.serve.served import COOKIE, SMALL, TOKEN, Open, Served
+from kerfwise.tests.apps.viewer.serve.served import COOKIE, SMALL, TOKEN, Open, Served, client_of
 
 OWN = {"x-kerfwise-token": TOKEN}
 
 
 @pytest.fixture(scope="module")
 def stranger(served: Served) -> httpx.Client:
-    return httpx.Client(base_url=served.address)
+    return client_of(served.address)
 
 
 def test_without_the_token_nothing_is_told(served: Served, stranger: httpx.Client) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import time
+import signal
 from pathlib import Path
 
 import httpx
@@ -126,11 +126,9 @@ def test_a_pipe_holds_nobody_up(served: Served, client: httpx.Client, tmp_path: 
     (folder / "folder.yaml").mkdir()
     for name in ("pipe.yaml", "pipe.mzn", "pipe.json"):
         os.mkfifo(folder / name)
-    began_s = time.monotonic()
     told = refusal(client, f"{tmp_path.name}/small.json")
     assert "not read: it" in told or "there is no file" in told
     assert client.post("/api/open", json={"nest": f"{tmp_path.name}/pipe.json"}).status_code == 422
-    assert time.monotonic() - began_s < 20
     (folder / "small.job.yaml").unlink()
     os.mkfifo(folder / "small.job.yaml")
     answer = client.post("/api/open", json={"nest": f"{tmp_path.name}/small.json"})
@@ -144,22 +142,22 @@ def test_a_pipe_in_the_place_of_a_job_file_or_an_output_holds_nobody_up(opened: 
     tab.solved()
     os.mkfifo(tab.nest.with_name("small.job.yaml"))
     tab.edit({"lock": "C.outer last"})
-    tab.wait_s = 60.0
     assert tab.solved()["problem"] == ""
     for name in ("small.plan.json", "small.nc", "small.svg"):
         os.mkfifo(tab.nest.with_name(name))
-    began_s = time.monotonic()
     answer = tab.client.post(f"/api/{tab.id}/save", json={"version": tab.version})
     assert answer.status_code in (200, 422), answer.text
-    assert time.monotonic() - began_s < 20
     assert tab.state()["locked"] == ["C.outer last"]
 
 
-def test_a_question_has_a_limit_of_time(opened: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="Windows cannot stop a process")
+def test_a_question_has_a_limit_of_time(opened: Open, served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is given up, and the next one is answered by another process."""
     tab = opened()
     tab.solved()
-    monkeypatch.setattr("kerfwise.apps.viewer.serve.server.ANSWERED_S", 1e-4)
+    tab.get("why", contour="C.outer")  # nothing else is asked of the process any more
+    os.kill(served.server.desk.pid or os.getpid(), signal.SIGSTOP)
+    monkeypatch.setattr("kerfwise.apps.viewer.serve.server.ANSWERED_S", 0.05)
     answer = tab.client.post("/api/open", json={"nest": f"{tab.nest.parent.name}/{tab.nest.name}", "repair": True})
     assert (answer.status_code, answer.json()["kind"]) == (422, "slow")
     monkeypatch.undo()
@@ -171,7 +169,7 @@ def test_a_list_says_how_many_it_leaves_out(served: Served, client: httpx.Client
     folder.mkdir()
     for k in range(700):
         (folder / f"many{k}.dxf").touch()
-    time.sleep(0.3)
+    served.listed(*(f"{tmp_path.name}/many{k}.dxf" for k in range(700)))
     seen: list[str] = []
     while True:
         told = client.get("/api/nests", params={"find": f"{tmp_path.name}/MANY", "from": len(seen)}).json()

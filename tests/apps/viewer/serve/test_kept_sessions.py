@@ -22,7 +22,7 @@ from playwright.sync_api import Browser
 
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.apps.viewer.serve.conftest import Look
-from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Tab, wait_for
+from kerfwise.tests.apps.viewer.serve.served import SMALL, Open, Tab, browser_of, wait_for
 from kerfwise.tests.tools.amount import few
 
 pytestmark = pytest.mark.slow
@@ -57,8 +57,7 @@ class Killable:
         assert found is not None
         self.port, self.entrance = int(found[1]), found[0]
         address = f"http://127.0.0.1:{self.port}"
-        headers = {"origin": address, "x-kerfwise-token": token.read_text(encoding="ascii")}
-        self.client = httpx.Client(base_url=address, headers=headers, timeout=60)
+        self.client = browser_of(address, token.read_text(encoding="ascii"))
 
     def kill(self) -> None:
         assert self.process is not None

@@ -19,8 +19,11 @@ WIDTHS = pytest.mark.parametrize("wide", few([1400, 1024, 390]))
 
 def shown(look: Look, tab: Tab, wide: int) -> AtPage:
     at = look(tab, wide)
-    at.page.click("#tab-parts")
+    with at.page.expect_response("**/room") as room:
+        at.page.click("#tab-parts")
+    room.value.finished()  # the page knows what is cut already
     at.until("document.body.classList.contains('editing-parts')")
+    at.frames()
     return at
 
 
@@ -109,7 +112,6 @@ def test_what_is_cut_already_stays(look: Look, planned: Tab) -> None:
     planned.post("cut", upto=3)
     at = shown(look, planned, 1400)
     at.until("document.querySelector('#parts-said') && app.state.tab === 'parts'")
-    at.page.wait_for_timeout(300)
     dragged(at, "B.outer", 5, 0)
     at.let_go()
     assert "B is cut already" in at.page.locator("#parts-said").inner_text()

@@ -59,6 +59,11 @@ def ended(found: list[tuple[str, dict[str, Any]]]) -> bool:
     return what == "state" and bool(told["alternatives"]) and told["solving"] is None
 
 
+def is_ended_at_once(state: dict[str, Any]) -> bool:
+    """Whether the last planning was ended; it may have shown a plan by then."""
+    return state["problem"] in ("ended without a plan", "ended" if state["alternatives"] else "")
+
+
 def test_incumbents_stream_in_and_can_be_stopped(plate: Tab, served: Served) -> None:
     tab = plate
     found: list[tuple[str, dict[str, Any]]] = []
@@ -84,7 +89,6 @@ def test_incumbents_stream_in_and_can_be_stopped(plate: Tab, served: Served) -> 
     assert all(one["gained_mm"] > 0 for one in plans[1:] if one["stage"] == "better")
     phases = {told["solving"]["phase"] for what, told in found if what == "progress" and told["solving"]}
     assert phases <= {"waits", "getting ready", "reading", "first plan", "improving", "proving", "finishing"}
-    assert "first plan" in phases
     assert tab.post("save")["saved"]["same_bytes"] is False
 
 
@@ -99,7 +103,7 @@ def test_a_killed_process_is_started_again_and_nothing_is_lost(opened: Open, pla
     plate.post("solve", 202, work=200)
     wait_for(lambda: not plate.state()["solving"]["waits"])
     plate.client.post(f"/api/{plate.id}/cancel", json={"at_once": True})
-    assert plate.wait()["problem"] == "ended without a plan"
+    assert is_ended_at_once(plate.wait())
     for helper in (served.server.desk, served.server.planning.helper):
         assert helper.pid is not None or helper is served.server.planning.helper
         if helper.pid is not None:
@@ -181,7 +185,7 @@ def test_cancelled_while_it_waited_and_begun_anew(opened: Open, plate: Tab, serv
     plate.client.post(f"/api/{plate.id}/cancel", json={"at_once": True})
     made = tab.wait()["alternatives"]
     assert [one["locked"] for one in made] == [["C.outer first"]]
-    assert plate.wait()["problem"] == "ended without a plan"
+    assert is_ended_at_once(plate.wait())
     assert plate.state()["planner"] == ""
 
 
@@ -294,6 +298,8 @@ def test_a_drop_is_answered_along_the_plan_at_hand_first_without_a_program(
     moved = next(move["place"] for move in moves if move["lawful"] and move["more_mm"]) - 2
     job = f"locks: [{before[moved]} position {moved + 2}]\n"
     told.planner.solve(PlanRequest(str(sixteen), job), 0.2, start=text)
+    phases = [one["phase"] for one in told.all if one.get("phase", "getting ready") != "getting ready"]
+    assert phases[:2] == ["reading", "first plan"]
     gaps = [one["gap"] for one in told.all if one.get("gap") is not None]
     assert gaps == sorted(gaps, reverse=True), "each set of zones has a bound of its own, and nobody sees it jump"
     bare, checked = told.plans()[:2]

@@ -9,14 +9,13 @@ from collections.abc import Iterator
 from functools import cache
 from itertools import product
 
-import httpx
 import pypdfium2
 import pytest
 from playwright.sync_api import Browser
 
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.tests.apps.viewer.serve.at_page import AtPage
-from kerfwise.tests.apps.viewer.serve.served import TOKEN, Served, Tab, serving
+from kerfwise.tests.apps.viewer.serve.served import Served, Tab, browser_of, serving
 from kerfwise.tests.tools.amount import rows
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
@@ -42,8 +41,7 @@ class Plates:
 
     def __init__(self, served: Served) -> None:
         self.served = served
-        headers = {"origin": served.address, "x-kerfwise-token": TOKEN}
-        self._client = httpx.Client(base_url=served.address, headers=headers, timeout=LONG_S)
+        self._client = browser_of(served.address, wait_s=LONG_S)
         self._tab = cache(self._opened)
 
     def planned(self, contours: int) -> Tab:
