@@ -39,7 +39,7 @@ from kerfwise.models.problem.compile import make_problem
 from kerfwise.models.problem.evaluate import route_cost, unpriced_crossings
 from kerfwise.rules.profile.profile import Profile
 from kerfwise.rules.statements import EXEMPTION_MM, Statement, by_kind
-from kerfwise.rules.stating.lazy_statements import lazy_statements
+from kerfwise.rules.stating.lazy_statements import lazy_statements, measured_beside
 from kerfwise.rules.stating.state_rules import Stated, state_rules
 
 from .request import Found, Request
@@ -166,8 +166,8 @@ def searched(
     limits = replace(limits, member="search", gap=None, no_improvement_s=None)
     try:
         hear = None if found is None else partial(_hear, found, Request(facts, asked), unasked)
-        looks = lazy_statements(facts, profile)
-        best = solve(facts, stated.statements, limits, progress, looks, start=start, found=hear)
+        with measured_beside(lambda: lazy_statements(facts, profile), facts.n) as looks:
+            best = solve(facts, stated.statements, limits, progress, looks, start=start, found=hear)
     except RulesConflict:
         return None
     aside = unasked | {r for r, _ in best.left_out}

@@ -58,7 +58,8 @@ class Metal:
 
     It is the same for every order; `Uncut` is what is left of it while one is cut. Strips and islands are looked for
     side by side: `swept` is for strips alone and `grown` for islands, as GEOS bears no two threads at what is prepared.
-    `islands` has, for each part, the islands that were beside it once it was out, by which of those in reach were out.
+    `islands` has, for each part, the islands that were beside it once it was out, by which of those in reach were out;
+    `fewest`, for each that was in a strip, those without any of which it would not be, by which of those around were.
     """
 
     def __init__(self, ground: Any, parts: Sequence[int], areas: Sequence[Any], strip_mm: float, web_mm: float) -> None:
@@ -74,6 +75,7 @@ class Metal:
         self.fields = fields_of(self.grown, FIELD_STRIPS * strip_mm)
         self.wide = Wide()
         self.islands: dict[int, dict[bytes, list[Island]]] = defaultdict(dict)
+        self.fewest: dict[int, dict[bytes, list[int]]] = defaultdict(dict)
         self.reach_mm = ISLAND_STRIPS * strip_mm
         self._around: dict[int, Around] = {}
         shapely.prepare(self.swept)

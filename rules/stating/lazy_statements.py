@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,7 +35,34 @@ LATER = 1.5
 """How much longer the same number of cuts takes to look at later on, when more is out."""
 
 
-def lazy_statements(facts: Facts, profile: ActiveRules) -> Callable[[Sequence[int]], tuple[Statement, ...]]:
+LARGE = 300
+"""Of fewer contours little is measured before a look."""
+
+Look = Callable[[Sequence[int]], tuple[Statement, ...]]
+"""Says what is wrong with an order (contour numbers)."""
+
+
+@contextmanager
+def measured_beside(make: Callable[[], Look], contours: int) -> Iterator[Look]:
+    """The look that is made; what every look needs of a large nest, whatever the order, a thread finds out meanwhile.
+
+    It has a look of its own, as one tells each thing once. Where that fails, the one at an order says why.
+    """
+    look = make()
+    if contours < LARGE:
+        yield look
+        return
+    with ThreadPoolExecutor(1) as thread:
+        measured = thread.submit(make(), ())
+
+        def looked(order: Sequence[int]) -> tuple[Statement, ...]:
+            wait([measured])
+            return look(order)
+
+        yield looked
+
+
+def lazy_statements(facts: Facts, profile: ActiveRules) -> Look:
     """A function that says what is wrong with an order (contour numbers), each thing once.
 
     It answers with nothing when an order shows nothing new: a soft rule, or one that is excusable, may well be broken

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import threading
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -33,6 +34,16 @@ def test_a_phase_within_a_phase_counts_for_itself_alone(monkeypatch: pytest.Monk
     inner = clock.around("problem", lambda: None)
     clock.around("planning", inner)()
     assert (clock.seconds["planning"], clock.seconds["problem"]) == (2.0 + 4.0, 3.0)
+
+
+def test_what_a_thread_finds_beside_a_phase_counts_for_itself_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    of_process, of_thread = iter([0.0, 1.0, 10.0]), iter([0.0, 2.0])
+    monkeypatch.setattr(phase_clock.time, "process_time", lambda: next(of_process))
+    monkeypatch.setattr(phase_clock.time, "thread_time", lambda: next(of_thread))
+    clock = Clock()
+    look = threading.Thread(target=clock.around("looks at whole orders", lambda: None))
+    clock.around("planning", lambda: (look.start(), look.join()))()
+    assert (clock.seconds["planning"], clock.seconds["looks at whole orders"]) == (9.0 - 2.0, 2.0)
 
 
 def test_sizes_stand_side_by_side_before_and_after_with_exponents() -> None:

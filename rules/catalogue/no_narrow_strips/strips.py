@@ -169,7 +169,12 @@ class Strips:
         for q in self._in_strips.get(p, ()):
             around = self.metal.around(q)
             out = np.flatnonzero(self.at[around.parts] <= self.at[p])
-            yield "strip", self._fewest(q, around, out), [q]
+            known = self.metal.fewest[q]
+            if (asked := out.tobytes()) not in known:
+                if len(known) == KEPT_OF_A_PART:
+                    known.clear()
+                known[asked] = self._fewest(q, around, out)
+            yield "strip", list(known[asked]), [q]
 
     def _strips_begin(self) -> dict[int, list[int]]:
         """Part → the parts that are in a strip from when it is out.
@@ -306,8 +311,8 @@ def _found(looks: Strips | Islands, order: Sequence[int]) -> dict[int, list[Badl
 def strips_and_islands(nest: Nest, order: tuple[str, ...], strip_mm: float, web_mm: float) -> tuple[Cutting, ...]:
     """What lies badly after each cut of an order of contour ids, told once a part; numbers are those of parts.
 
-    Kept for the last few orders, with the nest as drawn: the plan that is found is looked at again as a plan, and as a
-    program.
+    Kept for the last few orders, and for none, with the nest as drawn: the plan that is found is looked at again as a
+    plan, and as a program.
     """
     return _told(_as_drawn(nest), order, strip_mm, web_mm)
 
@@ -324,7 +329,7 @@ def _as_drawn(nest: Nest) -> Nest:
     return drawn if same and places(drawn, host_holes(drawn)) == places(nest, host_holes(nest)) else nest
 
 
-@cached_with_nest(most=4)
+@cached_with_nest(most=5)
 def _told(nest: Nest, order: tuple[str, ...], strip_mm: float, web_mm: float) -> tuple[Cutting, ...]:
     return tuple(_badly(nest, order, strip_mm, web_mm))
 
