@@ -26,6 +26,7 @@ from kerfwise.encoder.readers.drawing import LIMIT_MM, checked_curve
 from kerfwise.models.physics.time_and_cost import Cost, TimeReport
 from kerfwise.rules.plan_state import PlanState
 from kerfwise.rules.profile.values import ForOneNest, ProfileValues, changed_since
+from kerfwise.rules.statements import EXEMPTION_MM
 
 from .plan import FORMAT, Dropped, LeftOut, Plan, PlannedCut, Prices, RuleReport, SolveReport, Totals
 from .zones_cost import ZonesCost
@@ -341,9 +342,17 @@ def _check_sums(data: dict[str, Any], path: str | Path) -> None:
         if total_s is not None and abs(sum(parts_s) - total_s) > _SAME_S + _SAME_COST * total_s:
             says = f"its times come to {sum(parts_s):.3f} s, and it says {total_s:.3f} s"
             raise InputError(f"the plan is damaged: {says}", file=path)
+    share, sum_s = time.get("idle_share"), sum(parts_s)
+    if share is not None and sum_s > 0 and abs(share - time["idle_s"] / sum_s) > _SAME_GAP:
+        says = f"its share of idle travel is {share:g}, and its times make {time['idle_s'] / sum_s:.3g}"
+        raise InputError(f"the plan is damaged: {says}", file=path)
+    cost, excuses = data["solve"]["objective"], data["solve"].get("excuses", 0)
+    if cost is not None and excuses * EXEMPTION_MM > cost * (1 + _SAME_COST) + _SAME_MM:
+        says = f"it says {excuses} excuses of {EXEMPTION_MM:g} mm each, and its objective is {cost:.3f} mm"
+        raise InputError(f"the plan is damaged: {says}", file=path)
     if prices is None:
         return
-    sum_mm, cost = Prices.of_json(prices).sum_mm, data["solve"]["objective"]
+    sum_mm = Prices.of_json(prices).sum_mm
     if cost is not None and abs(sum_mm - cost) > _SAME_MM + _SAME_COST * abs(cost):
         says = f"its prices come to {sum_mm:.3f} mm, and its objective is {cost:.3f} mm"
         raise InputError(f"the plan is damaged: {says}", file=path)

@@ -160,6 +160,8 @@ NUMBERS = {
     "pierces past all counting": (("totals", "pierces"), 10**40, "totals, pierces"),
     "a gap under 0": (("solve", "gap"), -0.5, "solve, gap"),
     "times that come to another total": (("time", "cut_s"), 4000.0, "its times come to "),
+    "another share of idle travel": (("time", "idle_share"), 0.9, "its share of idle travel is 0.9"),
+    "excuses that no cost holds": (("solve", "excuses"), 3, "it says 3 excuses of "),
     "prices that come to another objective": (("prices", "travel"), 9e6, "its prices come to "),
     "a state that its places are not": (
         ("state", "kind"),

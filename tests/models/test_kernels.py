@@ -14,18 +14,16 @@ import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numba
 import numpy as np
 import pytest
 from numba.core.codegen import JITCodeLibrary
-from numpy.typing import NDArray
 
 from kerfwise.encoder.errors import Advice
 from kerfwise.models import jit, numba_cache
 from kerfwise.models.jit import (
-    KERNEL,
     Kernel,
     compiling,
     cores,
@@ -40,7 +38,6 @@ from kerfwise.models.jit import (
 from kerfwise.models.jit import (
     jit as jit_kernels,
 )
-from kerfwise.models.kernel_struct import kernel_argument
 from kerfwise.models.numba_cache import Files, Kept, compiled_beside, is_kept
 
 
@@ -480,47 +477,6 @@ def test_a_kernel_of_another_source_is_not_kept(folder: Path, monkeypatch: pytes
     assert files.any_kept()
     monkeypatch.setitem(files.__dict__, "made_by", b"another".ljust(32))
     assert not files.any_kept()
-
-
-class _Within(NamedTuple):
-    numbers: NDArray[np.float64]
-    factor: float
-
-
-class _Fields(NamedTuple):
-    within: _Within
-    small: np.float32
-    size: int
-    written: NDArray[np.int32]
-
-
-def struct_read(fields: Any, more: int) -> float:
-    total = 0.0
-    for k in range(fields.size):
-        fields.written[k] = k + more
-        total += fields.within.numbers[k] * fields.within.factor
-    return total + fields.small
-
-
-def test_a_kernel_reads_named_tuples_as_plain_python_does(folder: Path) -> None:
-    def fields() -> _Fields:
-        inside = _Within(np.array([1.5, -2.0, 4.0]), -0.5)
-        return _Fields(inside, np.float32(-0.25), 3, np.zeros(3, dtype=np.int32))
-
-    kernel: Any = jit_kernels(**KERNEL)(struct_read)
-    expected, compiled, kept = fields(), fields(), kernel_argument(fields())
-    assert kernel(compiled, 7) == kernel(kept, 7) == struct_read(expected, 7) == -2.0
-    assert compiled.written.tolist() == kept.written.tolist() == expected.written.tolist() == [7, 8, 9]
-    assert len(list(folder.rglob("*.kernel"))) == 1, "one kernel for both ways to hand it on"
-
-
-def test_structs_of_other_kinds_have_kernels_of_their_own(folder: Path) -> None:
-    kernel: Any = jit_kernels(**KERNEL)(struct_read)
-    for kind in (np.int32, np.int64):
-        written = np.zeros(1, dtype=kind)
-        kernel(_Fields(_Within(np.ones(1), 1.0), np.float32(0), 1, written), 5)
-        assert written.tolist() == [5]
-    assert len(list(folder.rglob("*.kernel"))) == 2
 
 
 def test_objects_are_collected_again_once_a_kernel_is_compiled() -> None:
