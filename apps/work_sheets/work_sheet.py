@@ -78,7 +78,7 @@ class WorkSheet:
 
     @property
     def not_kept(self) -> tuple[str, ...]:
-        """Where to stand by: contours that are excused, and what was relaxed, each with the sentence of its rule."""
+        """Where to stand by: what is excused or relaxed, a line for each reason, with the sentence of its rule."""
         return tuple(_not_kept(self))
 
 
@@ -132,13 +132,17 @@ def _not_kept(sheet: WorkSheet) -> Iterator[str]:
     def asked(rule: str) -> str:
         return f" – {escape_text(tr(book[rule].sentence))}" if rule in book else ""
 
+    found: dict[tuple[str, str], list[str]] = {}
     for rule in sheet.plan.rules:
         for contours, why in rule.exceptions:
-            yield f"{', '.join(contours)}: {why}{asked(rule.id)}"
+            found.setdefault((rule.id, why), []).append(", ".join(contours))
     for dropped in sheet.plan.dropped:
-        named = f"{before.join(dropped.contours)}: " if dropped.contours else ""
         if dropped.relaxed:
-            yield f"{named}{not_kept}: {dropped.why}{asked(dropped.rule)}"
+            reason = (dropped.rule, f"{not_kept}: {dropped.why}")
+            found.setdefault(reason, []).append(before.join(dropped.contours))
+    for (rule_id, why), names in found.items():
+        named = f"{'; '.join(names)}: " if any(names) else ""
+        yield f"{named}{why}{asked(rule_id)}"
 
 
 # The facts at the top of a work sheet, and what the operator ticks.

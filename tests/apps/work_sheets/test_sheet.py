@@ -9,12 +9,16 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import zxingcpp
 
 import kerfwise as package
+from kerfwise.apps.work_sheets.work_sheet import work_sheet
+from kerfwise.jobs.nest_job.request import NestRequest, inputs_for
+from kerfwise.models.plan.plan import Dropped, RuleReport
 from kerfwise.rule_kit import rect
 from kerfwise.tests.commands.run_cli import kerfwise
 from kerfwise.tests.nest_file import nest_file
@@ -39,6 +43,19 @@ def plan(solved: Path) -> Path:
     for name in ("sheet.json", "a.nc", "a.plan.json"):
         shutil.copy(solved / name, name)
     return Path("a.plan.json")
+
+
+def test_a_reason_is_one_line_with_all_that_it_is_about(plan: Path) -> None:
+    sheet = work_sheet(inputs_for("sheet.json", NestRequest()), package.read_plan(plan))
+    pairs = [("P0.outer", "P1.outer"), ("P0.outer", "P2.outer")]
+    relaxed = tuple(Dropped("level-ahead", pair, "relaxed: the sum") for pair in pairs)
+    excused = RuleReport("part-rigidity", "hard", True, tuple(((f"P{k}.outer",), "thin") for k in range(3)))
+    changed = replace(sheet.plan, rules=(excused,), dropped=relaxed)
+    lines = replace(sheet, plan=changed).not_kept
+    assert [line.split(" – ")[0] for line in lines] == [
+        "P0.outer; P1.outer; P2.outer: thin",
+        "P0.outer before P1.outer; P0.outer before P2.outer: not kept: relaxed: the sum",
+    ]
 
 
 def test_what_stands_on_it(plan: Path) -> None:
