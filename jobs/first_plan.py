@@ -155,20 +155,30 @@ def plan_at_hand(
     problem = make_problem(facts, stated.statements, limits.home_mm, limits.feeds)
     ways = [nearest_way(facts, cut, problem.candidate_site >= 0) for cut in cuts]
     wanted, places = _known(problem.candidate_site[ways], problem.site_contour), _places(profile, facts)
-    stayed = [way for way, cut in zip(ways, cuts, strict=True) if keep and has_stayed(facts, cut)]
-    like = dict(zip(problem.candidate_site[stayed].tolist(), stayed, strict=True))
+    like = dict[int, int]()
+    if keep or aside:  # the best entries need not be so at the price of moves that is left out
+        stayed = [way for way, cut in zip(ways, cuts, strict=True) if has_stayed(facts, cut)]
+        like = dict(zip(problem.candidate_site[stayed].tolist(), stayed, strict=True))
     liked = {int(problem.site_contour[site]): site for site in wanted if site in like}
     setting = context_along(facts, profile, stated, problem, ())
-    tried = ((order, by) for order in _orders(problem, wanted, places) for by in ((liked, {}) if liked else ({},)))
-    for order, entries in tried:
+
+    def along(order: Sequence[int], entries: dict[int, int]) -> AtHand | None:
         judged = try_order(setting, order, look=False, liked=entries)
         seen_mm = None if judged.cost is None else paid_for(lazy_statements(facts, profile)(order))
-        if judged.cost is not None and seen_mm is not None:
-            route = tuple(like.get(site, int(problem.site_candidate[site])) for site in judged.route)
-            cost_mm = judged.cost / UM_PER_MM + seen_mm
-            found = Solution(route, cost_mm, None, "feasible", "search", "", 0.0, left_out=problem.left_out)
-            found = replace(without_pay_for(found, aside), problem=problem)
-            return AtHand(asked, paying_for_crossings(asked, found), frozenset(route) & frozenset(like.values()))
+        if judged.cost is None or seen_mm is None:
+            return None
+        route = tuple(like.get(site, int(problem.site_candidate[site])) for site in judged.route)
+        cost_mm = judged.cost / UM_PER_MM + seen_mm
+        found = Solution(route, cost_mm, None, "feasible", "search", "", 0.0, left_out=problem.left_out)
+        found = replace(without_pay_for(found, aside), problem=problem)
+        return AtHand(asked, paying_for_crossings(asked, found), frozenset(route) & frozenset(like.values()))
+
+    for order in _orders(problem, wanted, places):
+        by_entries = (along(order, entries) for entries in ((liked, {}) if liked else ({},)))
+        lawful = (found for found in by_entries if found is not None)
+        best = next(lawful, None) if keep else min(lawful, key=lambda found: found.solution.objective, default=None)
+        if best is not None:
+            return best
     return None
 
 

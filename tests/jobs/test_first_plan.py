@@ -13,6 +13,8 @@ import pytest
 import kerfwise
 from kerfwise.encoder.errors import InputError, RulesConflict
 from kerfwise.encoder.facts import zones
+from kerfwise.encoder.readers import ReadOptions
+from kerfwise.encoder.readers.json_nest import read_json
 from kerfwise.examples.gen_sheet import make_sheet
 from kerfwise.jobs.by_engine import Method, with_less_work
 from kerfwise.jobs.first_plan import first_plan, plan_at_hand
@@ -141,6 +143,19 @@ def test_the_zones_of_the_plan_at_hand_are_kept_where_geometry_may_choose(monkey
     fixed = replace(facts, options=replace(facts.options, zone_contours=2))
     at_hand = plan_at_hand(fixed, PROFILE, limits, replace(plan, cuts=cuts), replace(asked, facts=fixed))
     assert at_hand is None or (at_hand.asked.facts.zone == facts.zone).all(), "a plant has asked for these"
+
+
+@pytest.mark.parametrize("seed", [2, 7])
+def test_a_plan_at_hand_of_many_contours_costs_no_more_than_it_did(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its entries were chosen at the price of moves: others along the same order are cheaper without that price."""
+    sheet = read_json(json.dumps(make_sheet(seed, 16)).encode(), ReadOptions())
+    plan = kerfwise.solve(sheet, work=0.3).plan
+    for module in ("first_plan", "adaptive_zones", "plan_without_zones"):
+        monkeypatch.setattr(f"kerfwise.jobs.{module}.MOST_MOVES", 5)
+    at_hand = plan_at_hand(facts_of(sheet, PROFILE), PROFILE, options_for(sheet, PROFILE, work=0.3), plan)
+    assert at_hand is not None
+    assert at_hand.solution.objective == pytest.approx(plan.solve.objective)
+    assert kerfwise.solve(sheet, start=plan, work=0.001).plan.solve.objective <= plan.solve.objective + 1e-6
 
 
 def test_a_plan_at_hand_of_many_contours_pays_for_what_its_moves_cross(monkeypatch: pytest.MonkeyPatch) -> None:
