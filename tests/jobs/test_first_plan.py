@@ -165,6 +165,7 @@ def test_a_plan_at_hand_of_many_contours_pays_for_what_its_moves_cross(monkeypat
     far = replace(plan, cuts=tuple(plan.cuts[k] for k in (2, 0, 4, 1, 5, 3)))
     facts, limits = facts_of(sheet, PROFILE), options_for(sheet, PROFILE, work=0.5)
     monkeypatch.setattr("kerfwise.jobs.first_plan.MOST_MOVES", 5)
+    monkeypatch.setattr("kerfwise.jobs.first_plan.STAYED_MM", -1.0)  # by its own entries no move crosses any
     at_hand = plan_at_hand(facts, PROFILE, limits, far)
     assert at_hand is not None
     assert at_hand.solution.problem is not None
