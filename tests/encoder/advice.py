@@ -77,6 +77,12 @@ def two_sheets(space: Any) -> None:
     lines(space, square(10, 10, 50))
 
 
+def with_round(space: Any, circle: bool) -> None:
+    sheet(space)
+    lines(space, square(10, 10, 50))
+    _ = space.add_circle((200, 150), 20) if circle else space.add_arc((200, 150), 20, 30, 30)
+
+
 # What is advised, and done.
 
 
@@ -120,6 +126,16 @@ SHARED = ["--answer", "layer:0=open:shared"]
 LASER = ["-p", "laser-st10kp-2mm"]
 
 ADVICE = [
+    Advice(
+        "draw circles, or delete them",
+        "arcs with two angles that are one, read as once round",
+        dxf(lambda space: with_round(space, circle=False)),
+        (
+            Do("draw circles", file=dxf(lambda space: with_round(space, circle=True))),
+            Do("delete them", file=drawn()),
+        ),
+        verb="facts",
+    ),
     Advice(
         "where its line begins",
         r"\(2e\+06, 0\) mm lies more than a kilometre from where its line begins",
