@@ -91,15 +91,21 @@ class PairTable:
 
     def add_to(self, table: Ints, leave: Ints, reach: Ints) -> None:
         """Add what is `between` them to a table (k, l), place by place where few have a number."""
-        rows, row, in_row = _alike_to(self.row[leave], self.key // self.width)
-        columns, column, in_column = _alike_to(self.column[reach], self.key % self.width)
+        reached = np.zeros(self.width, dtype=np.bool_)
+        reached[self.column[reach]] = True
+        kept = np.flatnonzero(reached[self.key % self.width])  # next to none where few sites are reached
+        if not len(kept):
+            return
+        left, come_to = np.divmod(self.key[kept], self.width)
+        rows, row, in_row = _alike_to(self.row[leave], left)
+        columns, column, in_column = _alike_to(self.column[reach], come_to)
         places = in_row * in_column
         if places.sum() > table.size // SPARSE:
             table += self.between(leave, reach)
             return
         key = np.repeat(np.arange(len(places)), places)
         down, along = np.divmod(concat_ranges(np.zeros_like(places), places), in_column[key])
-        table[rows[row[key] + down], columns[column[key] + along]] += self.value[key]
+        table[rows[row[key] + down], columns[column[key] + along]] += self.value[kept[key]]
 
     def each(self, leave: Ints, reach: Ints) -> Ints:
         """From `leave[k]` to `reach[k]`, (k,)."""
