@@ -104,7 +104,7 @@ class Worker:
 
     def stop(self, how: str = STOP) -> None:
         """Ask it to come to an end soon, with the best that it has, or with nothing."""
-        with contextlib.suppress(OSError, AttributeError):
+        with contextlib.suppress(OSError, AttributeError, TypeError):  # closed, also while it is sent
             self._stop.send(how)  # type: ignore[union-attr]
 
     def kill(self) -> None:

@@ -46,7 +46,9 @@ def test_a_killed_planner_is_said_and_the_next_plan_is_made(look: Look, plate: T
     at = look(plate)
     plate.post("solve", 202, work=200)
     at.page.wait_for_selector("#hands-reached:has-text('; ')")
-    os.kill(served.server.planning.helper.pid or 0, 9)
+    pid = served.server.planning.helper.pid
+    assert pid is not None  # 0 would be all of this run
+    os.kill(pid, 9)
     at.page.wait_for_selector("#hands-said:has-text('died (signal 9)')")
     plate.state()
     plate.post("solve", 202, work=0.1)

@@ -98,7 +98,9 @@ def test_a_killed_process_is_started_again_and_nothing_is_lost(opened: Open, pla
     tab.edit({"lock": "C.outer last"})
     plate.post("solve", 202, work=200)
     wait_for(lambda: served.server.planning.helper.pid is not None and not plate.state()["solving"]["waits"])
-    os.kill(served.server.planning.helper.pid or 0, 9)
+    pid = served.server.planning.helper.pid
+    assert pid is not None  # 0 would be all of this run
+    os.kill(pid, 9)
     assert "died (signal 9)" in plate.wait()["problem"]
     plate.post("solve", 202, work=200)
     wait_for(lambda: not plate.state()["solving"]["waits"])
