@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 import shapely
@@ -22,7 +23,7 @@ from kerfwise.models.engines.solution import Solution, SolveOptions
 from kerfwise.models.engines.tuning import FIRST_PLAN_WORK as WORK
 from kerfwise.models.engines.tuning import UNZONED_MOST_MOVES as MOST_MOVES
 from kerfwise.models.engines.tuning import WORK_A_CONTOUR
-from kerfwise.models.plan.explain.alternatives import try_order
+from kerfwise.models.plan.explain.alternatives import TriedOrder, try_order
 from kerfwise.models.plan.explain.context import context_along
 from kerfwise.models.plan.plan import Plan
 from kerfwise.models.problem.compile import make_problem
@@ -162,23 +163,18 @@ def plan_at_hand(
     liked = {int(problem.site_contour[site]): site for site in wanted if site in like}
     setting = context_along(facts, profile, stated, problem, ())
 
-    def along(order: Sequence[int], entries: dict[int, int]) -> AtHand | None:
-        judged = try_order(setting, order, look=False, liked=entries)
-        seen_mm = None if judged.cost is None else paid_for(lazy_statements(facts, profile)(order))
-        if judged.cost is None or seen_mm is None:
-            return None
+    def at_hand(judged: TriedOrder, seen_mm: float) -> AtHand:
         route = tuple(like.get(site, int(problem.site_candidate[site])) for site in judged.route)
-        cost_mm = judged.cost / UM_PER_MM + seen_mm
+        cost_mm = (judged.cost or 0) / UM_PER_MM + seen_mm
         found = Solution(route, cost_mm, None, "feasible", "search", "", 0.0, left_out=problem.left_out)
         found = replace(without_pay_for(found, aside), problem=problem)
         return AtHand(asked, paying_for_crossings(asked, found), frozenset(route) & frozenset(like.values()))
 
     for order in _orders(problem, wanted, places):
-        by_entries = (along(order, entries) for entries in ((liked, {}) if liked else ({},)))
-        lawful = (found for found in by_entries if found is not None)
-        best = next(lawful, None) if keep else min(lawful, key=lambda found: found.solution.objective, default=None)
-        if best is not None:
-            return best
+        tried = (try_order(setting, order, look=False, liked=by) for by in ((liked, {}) if liked else ({},)))
+        lawful = list(islice((judged for judged in tried if judged.cost is not None), 1 if keep else None))
+        if lawful and (seen_mm := paid_for(lazy_statements(facts, profile)(order))) is not None:
+            return min((at_hand(judged, seen_mm) for judged in lawful), key=lambda one: one.solution.objective)
     return None
 
 
