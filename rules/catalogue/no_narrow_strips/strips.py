@@ -6,10 +6,11 @@ Everything is looked at near the part just cut out: `strips` and `islands` say h
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import shapely
@@ -23,11 +24,22 @@ from kerfwise.rules.judging.metal import IN_STRIP, QUADRANT, Around, Badly, Isla
 #
 # An island is closed within a few strips: everything is looked at near the part just cut out.
 
+Found = TypeVar("Found")
+
 SPECK_MM2 = 1.0
 CLOSE_STRIPS = (2.0, 5.0)
 """How far around a part close looks for islands go, in strips, before all is looked at that an island may be on."""
 KEPT_OF_A_PART = 32
 """Answers that are kept of one part: orders that are looked at differ by a contour or two, and come back."""
+
+
+def _kept(known: dict[bytes, list[Found]], out: Bools | Ints, look: Callable[[], list[Found]]) -> list[Found]:
+    """What is known of a part where these others are out; looked for, and kept, where it is not."""
+    if (asked := out.tobytes()) not in known:
+        if len(known) == KEPT_OF_A_PART:
+            known.clear()
+        known[asked] = look()
+    return known[asked]
 
 
 class Islands:
@@ -63,13 +75,9 @@ class Islands:
 
         They depend on nothing but which parts in reach are out, so the answers for orders before are kept.
         """
-        near, known = self.metal.in_reach(p), self.metal.islands[p]
+        near = self.metal.in_reach(p)
         out = self.out[near]
-        if (asked := out.tobytes()) not in known:
-            if len(known) == KEPT_OF_A_PART:
-                known.clear()
-            known[asked] = list(self._looked_for(p, near[out], near[~out]))
-        return known[asked]
+        return _kept(self.metal.islands[p], out, lambda: list(self._looked_for(p, near[out], near[~out])))
 
     def _looked_for(self, p: int, gone: Ints, left: Ints) -> Iterator[Island]:
         """The islands beside part `p`, where these parts in reach are out, and these are left."""
@@ -169,12 +177,7 @@ class Strips:
         for q in self._in_strips.get(p, ()):
             around = self.metal.around(q)
             out = np.flatnonzero(self.at[around.parts] <= self.at[p])
-            known = self.metal.fewest[q]
-            if (asked := out.tobytes()) not in known:
-                if len(known) == KEPT_OF_A_PART:
-                    known.clear()
-                known[asked] = self._fewest(q, around, out)
-            yield "strip", list(known[asked]), [q]
+            yield "strip", list(_kept(self.metal.fewest[q], out, partial(self._fewest, q, around, out))), [q]
 
     def _strips_begin(self) -> dict[int, list[int]]:
         """Part → the parts that are in a strip from when it is out.
